@@ -1,0 +1,12 @@
+#include "scene/hbMode.h"
+
+#include <gtest/gtest.h>
+
+#include "volume/hbError.h"
+
+TEST(hbMode, NamesRoundTrip) {
+  for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso})
+    EXPECT_EQ(hb::modeFromName(hb::modeName(mode)), mode);
+}
+
+TEST(hbMode, RefusesUnknownNames) { EXPECT_THROW(hb::modeFromName("xrays"), hbError); }

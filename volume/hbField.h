@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "volume/hbGeometry.h"
+#include "volume/hbRange.h"
+#include "volume/hbValueMap.h"
+
+/// Points of the unit cube as three arrays of one length.
+struct hbPoints {
+  std::span<const float> x, y, z;
+
+  std::size_t size() const { return x.size(); }
+  hbPoints subspan(std::size_t first, std::size_t count) const {
+    return {x.subspan(first, count), y.subspan(first, count), z.subspan(first, count)};
+  }
+};
+
+/// Gradients as three arrays of one length, in field values per unit of the cube's edge.
+struct hbGradients {
+  std::span<float> dx, dy, dz;
+};
+
+/// An axis-aligned box inside the unit cube, lo <= hi, closed.
+struct hbBox {
+  glm::vec3 lo{0.0F}, hi{1.0F};
+};
+
+/// A function on the unit cube with one or more components: what every representation of a volume is to a renderer.
+///
+/// Values are 32-bit floats in the field's own units; `valueMap()` says what they stand for. Coordinates outside the
+/// cube are clamped to it, a NaN coordinate counts as 0. Components run from 0 to components()-1; another one is the
+/// caller's bug. Const members may be called from several threads at once.
+class hbField {
+public:
+  virtual ~hbField() = default;
+
+  /// The samples the field stands for: sizes (how fine it is) and the way to world space.
+  virtual const hbGeometry& geometry() const = 0;
+  virtual int components() const = 0;
+  virtual hbValueMap valueMap() const { return {}; }
+
+  /// out[i] = the value of `component` at point i. All spans have the same length.
+  virtual void values(const hbPoints& points, int component, std::span<float> out) const = 0;
+
+  /// Values, and the gradient of the interpolant itself: at kinks the one-sided slope towards +, at the cube's upper
+  /// faces the one towards -.
+  virtual void gradients(const hbPoints& points, int component, std::span<float> out,
+                         const hbGradients& gradient) const = 0;
+
+  /// out[x + strideY y + strideZ z] = the value at (xs[x], ys[y], zs[z]); coordinates increase along each axis.
+  /// Strides are in floats. This default calls values() row by row.
+  virtual void lattice(std::span<const float> xs, std::span<const float> ys, std::span<const float> zs, int component,
+                       float* out, std::size_t strideY, std::size_t strideZ) const;
+
+  /// Encloses every value of `component` in `box`: conservative, not always tight.
+  virtual hbRange range(const hbBox& box, int component) const = 0;
+
+protected:
+  hbField() = default;
+  hbField(const hbField&) = default;
+  hbField& operator=(const hbField&) = default;
+};

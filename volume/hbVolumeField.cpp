@@ -1,0 +1,136 @@
+#include "volume/hbVolumeField.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace {
+
+/// The cell of an axis that holds x and where in it, t in [0,1]; the upper neighbour is `step` further (0 on flat
+/// axes).
+struct Cell {
+  std::int64_t index;
+  std::int64_t step;
+  float t;
+};
+
+// x * cells is exact in 64 bits, so the cell depends on the float coordinate alone. NaN and x < 0 give cell 0, x > 1
+// the last.
+inline Cell cellOf(float x, std::int64_t size) {
+  if (size == 1) return {0, 0, 0.0F};
+  const double position = x > 0.0F ? double(std::min(x, 1.0F)) * double(size - 1) : 0.0;
+  const std::int64_t index = std::min(std::int64_t(position), size - 2);
+  return {index, 1, float(position - double(index))};
+}
+
+inline float lerp(float a, float b, float t) { return a + t * (b - a); }
+
+/// Reads samples as field values; compiled once per type and byte order. `Plain`: value = sample.
+template <class T, bool Swapped, bool Plain>
+struct Reader {
+  const std::byte* first;
+  std::array<std::int64_t, 3> stride; // bytes
+  double a, b;
+
+  float operator()(const std::byte* at) const {
+    const T sample = hb::loadSample<T, Swapped>(at);
+    if constexpr (Plain)
+      return float(sample);
+    else
+      return float(a * double(sample) + b);
+  }
+
+  /// The eight corners of the cell, x fastest.
+  std::array<float, 8> corners(const Cell& x, const Cell& y, const Cell& z) const {
+    const std::byte* at = first + x.index * stride[0] + y.index * stride[1] + z.index * stride[2];
+    const std::int64_t dx = x.step * stride[0], dy = y.step * stride[1], dz = z.step * stride[2];
+    return {(*this)(at),      (*this)(at + dx),      (*this)(at + dy),      (*this)(at + dx + dy),
+            (*this)(at + dz), (*this)(at + dx + dz), (*this)(at + dy + dz), (*this)(at + dx + dy + dz)};
+  }
+};
+
+/// Calls f with the Reader for the volume's type.
+template <class F>
+void withReader(const hbVolume& volume, int component, double a, double b, F&& f) {
+  hb::withSampleType(volume.type(), [&](auto tag) {
+    using T = decltype(tag);
+    const auto& layout = volume.layout();
+    const std::int64_t bytes = sizeof(T);
+    const std::byte* first = volume.data() + component * layout.componentStride * bytes;
+    const std::array<std::int64_t, 3> stride{layout.stride[0] * bytes, layout.stride[1] * bytes,
+                                             layout.stride[2] * bytes};
+    const bool plain = a == 1.0 && b == 0.0;
+    if (layout.byteSwapped)
+      f(Reader<T, true, false>{first, stride, a, b});
+    else if (plain)
+      f(Reader<T, false, true>{first, stride, a, b});
+    else
+      f(Reader<T, false, false>{first, stride, a, b});
+  });
+}
+
+} // namespace
+
+hbVolumeField::hbVolumeField(hbVolume volume, const hbValueMap& map) : volume_(std::move(volume)), map_(map) {
+  a_ = volume_.slope() / map.scale;
+  b_ = (volume_.intercept() - map.offset) / map.scale;
+}
+
+void hbVolumeField::values(const hbPoints& points, int component, std::span<float> out) const {
+  const hbSize3 size = volume_.geometry().size;
+  withReader(volume_, component, a_, b_, [&](const auto& reader) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Cell x = cellOf(points.x[i], size.x), y = cellOf(points.y[i], size.y), z = cellOf(points.z[i], size.z);
+      const auto v = reader.corners(x, y, z);
+      out[i] = lerp(lerp(lerp(v[0], v[1], x.t), lerp(v[2], v[3], x.t), y.t),
+                    lerp(lerp(v[4], v[5], x.t), lerp(v[6], v[7], x.t), y.t), z.t);
+    }
+  });
+}
+
+void hbVolumeField::gradients(const hbPoints& points, int component, std::span<float> out,
+                              const hbGradients& gradient) const {
+  const hbSize3 size = volume_.geometry().size;
+  const glm::vec3 cells(size - std::int64_t(1)); // 0 on a flat axis, whose slope is 0
+  withReader(volume_, component, a_, b_, [&](const auto& reader) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Cell x = cellOf(points.x[i], size.x), y = cellOf(points.y[i], size.y), z = cellOf(points.z[i], size.z);
+      const auto v = reader.corners(x, y, z);
+      const float x00 = lerp(v[0], v[1], x.t), x10 = lerp(v[2], v[3], x.t), x01 = lerp(v[4], v[5], x.t),
+                  x11 = lerp(v[6], v[7], x.t);
+      const float xy0 = lerp(x00, x10, y.t), xy1 = lerp(x01, x11, y.t);
+      out[i] = lerp(xy0, xy1, z.t);
+      gradient.dx[i] = cells.x * lerp(lerp(v[1] - v[0], v[3] - v[2], y.t), lerp(v[5] - v[4], v[7] - v[6], y.t), z.t);
+      gradient.dy[i] = cells.y * lerp(x10 - x00, x11 - x01, z.t);
+      gradient.dz[i] = cells.z * (xy1 - xy0);
+    }
+  });
+}
+
+hbRange hbVolumeField::range(const hbBox& box, int component) const {
+  const hbSize3 size = volume_.geometry().size;
+  hbSize3 from, to; // samples from..to inclusive
+  for (int d = 0; d < 3; ++d) {
+    const Cell lo = cellOf(box.lo[d], size[d]), hi = cellOf(box.hi[d], size[d]);
+    from[d] = lo.index;
+    to[d] = hi.index + hi.step;
+  }
+  float least = std::numeric_limits<float>::infinity(), greatest = -least;
+  withReader(volume_, component, a_, b_, [&](const auto& reader) {
+    for (std::int64_t k = from.z; k <= to.z; ++k)
+      for (std::int64_t j = from.y; j <= to.y; ++j) {
+        const std::byte* at = reader.first + from.x * reader.stride[0] + j * reader.stride[1] + k * reader.stride[2];
+        for (std::int64_t i = from.x; i <= to.x; ++i, at += reader.stride[0]) {
+          const float value = reader(at);
+          least = value < least ? value : least; // false for NaN
+          greatest = value > greatest ? value : greatest;
+        }
+      }
+  });
+  if (least > greatest) return {0.0F, 0.0F}; // only NaN samples
+  // A lerp a + t (b - a) rounds three times an axis and may leave [a, b] by that much.
+  constexpr float kRounding = 9.0F * 0x1p-24F;
+  const float slack = kRounding * std::max(std::abs(least), std::abs(greatest));
+  return {least - slack, greatest + slack};
+}

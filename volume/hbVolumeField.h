@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+
+#include "volume/hbField.h"
+#include "volume/hbVolume.h"
+
+/// The trilinear interpolant of a volume's samples, evaluated from the samples as they are stored (no converted copy),
+/// so it also works on a mapped file larger than the memory. This is the `full` engine: the reference of every picture.
+class hbVolumeField final : public hbField {
+public:
+  /// Values are those of `volume` seen through `map` (usually volume.chooseValueMap()).
+  hbVolumeField(hbVolume volume, const hbValueMap& map);
+  explicit hbVolumeField(const hbVolume& volume) : hbVolumeField(volume, volume.chooseValueMap()) {}
+
+  const hbVolume& volume() const { return volume_; }
+  const hbGeometry& geometry() const override { return volume_.geometry(); }
+  int components() const override { return volume_.components(); }
+  hbValueMap valueMap() const override { return map_; }
+  void values(const hbPoints& points, int component, std::span<float> out) const override;
+  void gradients(const hbPoints& points, int component, std::span<float> out,
+                 const hbGradients& gradient) const override;
+
+  /// Exact: the least and greatest sample of the cells the box meets. O(samples in the box); NaN samples are left out.
+  hbRange range(const hbBox& box, int component) const override;
+
+private:
+  hbVolume volume_;
+  hbValueMap map_;
+  double a_ = 1.0, b_ = 0.0; ///< value = a * sample + b
+};
