@@ -51,10 +51,11 @@ public:
   virtual void gradients(const hbPoints& points, int component, std::span<float> out,
                          const hbGradients& gradient) const = 0;
 
-  /// out[x + strideY y + strideZ z] = the value at (xs[x], ys[y], zs[z]); coordinates increase along each axis.
-  /// Strides are in floats. This default calls values() row by row.
-  virtual void lattice(std::span<const float> xs, std::span<const float> ys, std::span<const float> zs, int component,
-                       float* out, std::size_t strideY, std::size_t strideZ) const;
+  /// out[x + strideY y + strideZ z] = the value at (xs[x], ys[y], zs[z]); coordinates increase along each axis and are
+  /// in 64 bits, so that nodes are hit exactly. Strides are in floats. This default calls values() row by row, at the
+  /// coordinates rounded to floats.
+  virtual void lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs,
+                       int component, float* out, std::size_t strideY, std::size_t strideZ) const;
 
   /// Encloses every value of `component` in `box`: conservative, not always tight.
   virtual hbRange range(const hbBox& box, int component) const = 0;

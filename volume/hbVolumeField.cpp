@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace {
 
@@ -15,23 +16,44 @@ struct Cell {
   float t;
 };
 
-// x * cells is exact in 64 bits, so the cell depends on the float coordinate alone. NaN and x < 0 give cell 0, x > 1
-// the last.
-inline Cell cellOf(float x, std::int64_t size) {
-  if (size == 1) return {0, 0, 0.0F};
-  const double position = x > 0.0F ? double(std::min(x, 1.0F)) * double(size - 1) : 0.0;
+// The cell of a position counted in cells from the first sample.
+inline Cell cellAt(double position, std::int64_t size) {
   const std::int64_t index = std::min(std::int64_t(position), size - 2);
   return {index, 1, float(position - double(index))};
 }
 
+// x * cells is exact in 64 bits, so the cell depends on the float coordinate alone. NaN and x < 0 give cell 0, x > 1
+// the last.
+inline Cell cellOf(float x, std::int64_t size) {
+  if (size == 1) return {0, 0, 0.0F};
+  return cellAt(x > 0.0F ? double(std::min(x, 1.0F)) * double(size - 1) : 0.0, size);
+}
+
+// The same for the 64-bit coordinates of a lattice: i/(size-1) times size-1 may miss i by an ulp, which must not
+// matter.
+inline Cell cellOfNode(double x, std::int64_t size) {
+  if (size == 1) return {0, 0, 0.0F};
+  const double position = x > 0.0 ? std::min(x, 1.0) * double(size - 1) : 0.0;
+  const double nearest = std::nearbyint(position);
+  constexpr double kSame = 0x1p-30; // sizes stay far below 2^22, where an ulp of the position is 2^-31
+  if (std::abs(position - nearest) < kSame) return {std::int64_t(nearest), 0, 0.0F};
+  return cellAt(position, size);
+}
+
 inline float lerp(float a, float b, float t) { return a + t * (b - a); }
 
-/// Reads samples as field values; compiled once per type and byte order. `Plain`: value = sample.
+inline float trilinear(const std::array<float, 8>& v, float tx, float ty, float tz) {
+  return lerp(lerp(lerp(v[0], v[1], tx), lerp(v[2], v[3], tx), ty),
+              lerp(lerp(v[4], v[5], tx), lerp(v[6], v[7], tx), ty), tz);
+}
+
+/// Reads samples as field values; compiled once per type and byte order. `Plain`: value = sample, whatever it is.
 template <class T, bool Swapped, bool Plain>
 struct Reader {
   const std::byte* first;
   std::array<std::int64_t, 3> stride; // bytes
   double a, b;
+  std::optional<float> nonFinite;
 
   float operator()(const std::byte* at) const {
     const T sample = hb::loadSample<T, Swapped>(at);
@@ -52,7 +74,7 @@ struct Reader {
 
 /// Calls f with the Reader for the volume's type.
 template <class F>
-void withReader(const hbVolume& volume, int component, double a, double b, F&& f) {
+void withReader(const hbVolume& volume, int component, double a, double b, std::optional<float> nonFinite, F&& f) {
   hb::withSampleType(volume.type(), [&](auto tag) {
     using T = decltype(tag);
     const auto& layout = volume.layout();
@@ -60,31 +82,31 @@ void withReader(const hbVolume& volume, int component, double a, double b, F&& f
     const std::byte* first = volume.data() + component * layout.componentStride * bytes;
     const std::array<std::int64_t, 3> stride{layout.stride[0] * bytes, layout.stride[1] * bytes,
                                              layout.stride[2] * bytes};
-    const bool plain = a == 1.0 && b == 0.0;
+    const bool plain = a == 1.0 && b == 0.0 && !nonFinite;
     if (layout.byteSwapped)
-      f(Reader<T, true, false>{first, stride, a, b});
+      f(Reader<T, true, false>{first, stride, a, b, nonFinite});
     else if (plain)
-      f(Reader<T, false, true>{first, stride, a, b});
+      f(Reader<T, false, true>{first, stride, a, b, nonFinite});
     else
-      f(Reader<T, false, false>{first, stride, a, b});
+      f(Reader<T, false, false>{first, stride, a, b, nonFinite});
   });
 }
 
 } // namespace
 
-hbVolumeField::hbVolumeField(hbVolume volume, const hbValueMap& map) : volume_(std::move(volume)), map_(map) {
+hbVolumeField::hbVolumeField(hbVolume volume, const hbValueMap& map, std::optional<double> nonFinite)
+    : volume_(std::move(volume)), map_(map) {
   a_ = volume_.slope() / map.scale;
   b_ = (volume_.intercept() - map.offset) / map.scale;
+  if (nonFinite) nonFinite_ = float(map.fromTrue(*nonFinite));
 }
 
 void hbVolumeField::values(const hbPoints& points, int component, std::span<float> out) const {
   const hbSize3 size = volume_.geometry().size;
-  withReader(volume_, component, a_, b_, [&](const auto& reader) {
+  withReader(volume_, component, a_, b_, nonFinite_, [&](const auto& reader) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Cell x = cellOf(points.x[i], size.x), y = cellOf(points.y[i], size.y), z = cellOf(points.z[i], size.z);
-      const auto v = reader.corners(x, y, z);
-      out[i] = lerp(lerp(lerp(v[0], v[1], x.t), lerp(v[2], v[3], x.t), y.t),
-                    lerp(lerp(v[4], v[5], x.t), lerp(v[6], v[7], x.t), y.t), z.t);
+      out[i] = trilinear(reader.corners(x, y, z), x.t, y.t, z.t);
     }
   });
 }
@@ -93,7 +115,7 @@ void hbVolumeField::gradients(const hbPoints& points, int component, std::span<f
                               const hbGradients& gradient) const {
   const hbSize3 size = volume_.geometry().size;
   const glm::vec3 cells(size - std::int64_t(1)); // 0 on a flat axis, whose slope is 0
-  withReader(volume_, component, a_, b_, [&](const auto& reader) {
+  withReader(volume_, component, a_, b_, nonFinite_, [&](const auto& reader) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Cell x = cellOf(points.x[i], size.x), y = cellOf(points.y[i], size.y), z = cellOf(points.z[i], size.z);
       const auto v = reader.corners(x, y, z);
@@ -108,6 +130,24 @@ void hbVolumeField::gradients(const hbPoints& points, int component, std::span<f
   });
 }
 
+void hbVolumeField::lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs,
+                            int component, float* out, std::size_t strideY, std::size_t strideZ) const {
+  const hbSize3 size = volume_.geometry().size;
+  std::vector<Cell> cells(xs.size());
+  std::transform(xs.begin(), xs.end(), cells.begin(), [&](double x) { return cellOfNode(x, size.x); });
+  withReader(volume_, component, a_, b_, nonFinite_, [&](const auto& reader) {
+    for (std::size_t k = 0; k < zs.size(); ++k) {
+      const Cell z = cellOfNode(zs[k], size.z);
+      for (std::size_t j = 0; j < ys.size(); ++j) {
+        const Cell y = cellOfNode(ys[j], size.y);
+        float* row = out + j * strideY + k * strideZ;
+        for (std::size_t i = 0; i < xs.size(); ++i)
+          row[i] = trilinear(reader.corners(cells[i], y, z), cells[i].t, y.t, z.t);
+      }
+    }
+  });
+}
+
 hbRange hbVolumeField::range(const hbBox& box, int component) const {
   const hbSize3 size = volume_.geometry().size;
   hbSize3 from, to; // samples from..to inclusive
@@ -117,7 +157,7 @@ hbRange hbVolumeField::range(const hbBox& box, int component) const {
     to[d] = hi.index + hi.step;
   }
   float least = std::numeric_limits<float>::infinity(), greatest = -least;
-  withReader(volume_, component, a_, b_, [&](const auto& reader) {
+  withReader(volume_, component, a_, b_, nonFinite_, [&](const auto& reader) {
     for (std::int64_t k = from.z; k <= to.z; ++k)
       for (std::int64_t j = from.y; j <= to.y; ++j) {
         const std::byte* at = reader.first + from.x * reader.stride[0] + j * reader.stride[1] + k * reader.stride[2];

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <memory>
+#include <optional>
 
 #include "volume/hbField.h"
 #include "volume/hbVolume.h"
@@ -9,8 +9,9 @@
 /// so it also works on a mapped file larger than the memory. This is the `full` engine: the reference of every picture.
 class hbVolumeField final : public hbField {
 public:
-  /// Values are those of `volume` seen through `map` (usually volume.chooseValueMap()).
-  hbVolumeField(hbVolume volume, const hbValueMap& map);
+  /// Values are those of `volume` seen through `map` (usually volume.chooseValueMap()). NaN and infinite samples count
+  /// as `nonFinite` (a data value) where one is given; otherwise they spread to the cells around them.
+  hbVolumeField(hbVolume volume, const hbValueMap& map, std::optional<double> nonFinite = std::nullopt);
   explicit hbVolumeField(const hbVolume& volume) : hbVolumeField(volume, volume.chooseValueMap()) {}
 
   const hbVolume& volume() const { return volume_; }
@@ -21,6 +22,10 @@ public:
   void gradients(const hbPoints& points, int component, std::span<float> out,
                  const hbGradients& gradient) const override;
 
+  /// Coordinates within 2^-30 of a cell from a sample count as that sample, which comes back unrounded.
+  void lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs, int component,
+               float* out, std::size_t strideY, std::size_t strideZ) const override;
+
   /// Exact: the least and greatest sample of the cells the box meets. O(samples in the box); NaN samples are left out.
   hbRange range(const hbBox& box, int component) const override;
 
@@ -28,4 +33,5 @@ private:
   hbVolume volume_;
   hbValueMap map_;
   double a_ = 1.0, b_ = 0.0; ///< value = a * sample + b
+  std::optional<float> nonFinite_;
 };
