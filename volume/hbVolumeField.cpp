@@ -57,10 +57,9 @@ struct Reader {
 
   float operator()(const std::byte* at) const {
     const T sample = hb::loadSample<T, Swapped>(at);
-    if constexpr (Plain)
-      return float(sample);
-    else
-      return float(a * double(sample) + b);
+    if constexpr (Plain) return float(sample);
+    const float value = float(a * double(sample) + b);
+    return nonFinite && !std::isfinite(value) ? *nonFinite : value;
   }
 
   /// The eight corners of the cell, x fastest.

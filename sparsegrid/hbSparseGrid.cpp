@@ -1,0 +1,348 @@
+#include "sparsegrid/hbSparseGrid.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "sparsegrid/hbHierarchise.h"
+#include "sparsegrid/hbNodeSampler.h"
+#include "volume/hbError.h"
+
+namespace {
+
+std::vector<float> toFloats(const std::vector<double>& values) {
+  std::vector<float> floats(values.begin(), values.end());
+  for (const float value : floats)
+    if (!std::isfinite(value))
+      throw hbError(
+          "sparse grid: expected finite values whose differences fit a 32-bit float, found one that does not");
+  return floats;
+}
+
+void checkLengths(const hbIndexSet& set, std::size_t components, auto&& lengthOf) {
+  if (components == 0) throw hbError("sparse grid: expected at least one component");
+  for (std::size_t c = 0; c < components; ++c)
+    if (std::int64_t(lengthOf(c)) != set.storedValues())
+      throw hbError(fmt::format("sparse grid: expected {} values, found {}", set.storedValues(), lengthOf(c)));
+}
+
+/// The slots (see hbHat) of one level: first and number.
+struct Slots {
+  int first, count;
+};
+Slots slotsOf(int level, bool flat) { return level > 0 ? Slots{level + 1, 1} : Slots{0, flat ? 1 : 2}; }
+
+} // namespace
+
+int hbSparseGrid::alignedLevel(std::int64_t size) { return hbIndexSet::axesOf({size, 1, 1}).maxLevel.x; }
+
+hbSparseGrid::hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vector<std::vector<float>> surpluses)
+    : frame_(frame), set_(set), surpluses_(std::move(surpluses)) {
+  frame_.geometry.validate("sparse grid");
+  for (int d = 0; d < 3; ++d) {
+    const std::int64_t size = frame_.geometry.size[d];
+    if (frame_.geometry.isFlat(d) != set_.flat()[d])
+      throw hbError(fmt::format("sparse grid: expected an index set {} along {}, as the volume is",
+                                size == 1 ? "flat" : "not flat", "xyz"[d]));
+    if (frame_.mapping == hbLatticeMapping::aligned && size > 1) {
+      scale_[d] = double(size - 1) / std::exp2(alignedLevel(size));
+      if (set_.finest()[d] > alignedLevel(size))
+        throw hbError(fmt::format(
+            "sparse grid: expected levels up to {} along {} for the aligned mapping of {} samples, found {}",
+            alignedLevel(size), "xyz"[d], size, set_.finest()[d]));
+    }
+  }
+  for (const hbSubspace& subspace : set_.subspaces()) {
+    if (subspace.levels.x != 0) continue;
+    Column column{subspace.levels.y, subspace.levels.z, subspace.nodes.y, {}};
+    for (glm::ivec3 l = subspace.levels; set_.contains(l); ++l.x) column.offsets.push_back(set_.subspace(l).offset);
+    columns_.push_back(std::move(column));
+  }
+}
+
+hbSparseGrid hbSparseGrid::interpolate(const hbField& source, const hbIndexSet& set, hbLatticeMapping mapping,
+                                       hbProgress& progress) {
+  const Frame frame{source.geometry(), source.valueMap(), mapping};
+  const hbNodeSampler sampler(source, set, mapping);
+  std::vector<std::vector<float>> surpluses;
+  progress.begin("reading nodes", set.storedValues() * source.components(), "nodes");
+  for (int component = 0; component < source.components(); ++component) {
+    std::vector<double> values(std::size_t(set.storedValues()));
+    tbb::parallel_for(std::size_t{0}, set.subspaces().size(), [&](std::size_t s) {
+      const hbSubspace& subspace = set.subspaces()[s];
+      sampler.sample(subspace, component, {values.data() + subspace.offset, std::size_t(subspace.count())});
+      progress.advance(subspace.count());
+    });
+    hb::hierarchise(set, values);
+    surpluses.push_back(toFloats(values));
+  }
+  return {frame, set, std::move(surpluses)};
+}
+
+hbSparseGrid hbSparseGrid::fromNodalValues(const Frame& frame, const hbIndexSet& set,
+                                           std::vector<std::vector<double>> values) {
+  checkLengths(set, values.size(), [&](std::size_t c) { return values[c].size(); });
+  std::vector<std::vector<float>> surpluses;
+  for (std::vector<double>& component : values) {
+    hb::hierarchise(set, component);
+    surpluses.push_back(toFloats(component));
+  }
+  return {frame, set, std::move(surpluses)};
+}
+
+hbSparseGrid hbSparseGrid::fromSurpluses(const Frame& frame, const hbIndexSet& set,
+                                         std::vector<std::vector<float>> surpluses) {
+  checkLengths(set, surpluses.size(), [&](std::size_t c) { return surpluses[c].size(); });
+  for (const auto& component : surpluses)
+    if (!std::all_of(component.begin(), component.end(), [](float s) { return std::isfinite(s); }))
+      throw hbError("sparse grid: expected finite surpluses, found NaN or infinity");
+  return {frame, set, std::move(surpluses)};
+}
+
+namespace {
+
+/// Copies a component grid's nodal values into the subspaces it consists of.
+std::vector<double> inSubspaces(const hbIndexSet& part, const hbSize3& nodes, const std::vector<double>& values) {
+  std::vector<double> result(std::size_t(part.storedValues()));
+  for (const hbSubspace& subspace : part.subspaces()) {
+    double* out = result.data() + subspace.offset;
+    // Node k of level l lies at place first + k step of the component grid's axis.
+    hbSize3 first(0), step(0);
+    for (int d = 0; d < 3; ++d) {
+      const std::int64_t cells = nodes[d] - 1;
+      const int level = subspace.levels[d];
+      step[d] = level == 0 ? cells : cells >> (level - 1);
+      first[d] = level == 0 ? 0 : cells >> level;
+    }
+    for (std::int64_t k = 0; k < subspace.nodes.z; ++k)
+      for (std::int64_t j = 0; j < subspace.nodes.y; ++j)
+        for (std::int64_t i = 0; i < subspace.nodes.x; ++i)
+          *out++ = values[std::size_t(first.x + i * step.x +
+                                      nodes.x * (first.y + j * step.y + nodes.y * (first.z + k * step.z)))];
+  }
+  return result;
+}
+
+} // namespace
+
+hbSparseGrid hbSparseGrid::fromComponentGrids(const Frame& frame, const hbIndexSet& set,
+                                              const std::vector<ComponentValues>& grids) {
+  std::vector<double> surpluses(std::size_t(set.storedValues()));
+  for (const hbIndexSet::ComponentGrid& wanted : set.componentGrids()) {
+    const auto grid =
+        std::find_if(grids.begin(), grids.end(), [&](const auto& g) { return g.levels == wanted.levels; });
+    if (grid == grids.end())
+      throw hbError(fmt::format("component grids: expected one of levels ({},{},{}), found none", wanted.levels.x,
+                                wanted.levels.y, wanted.levels.z));
+    if (std::int64_t(grid->values.size()) != wanted.nodes.x * wanted.nodes.y * wanted.nodes.z)
+      throw hbError(fmt::format("component grid ({},{},{}): expected {} x {} x {} values, found {}", wanted.levels.x,
+                                wanted.levels.y, wanted.levels.z, wanted.nodes.x, wanted.nodes.y, wanted.nodes.z,
+                                grid->values.size()));
+    const hbIndexSet part = hbIndexSet::full({wanted.levels, set.flat()});
+    std::vector<double> values = inSubspaces(part, wanted.nodes, grid->values);
+    hb::hierarchise(part, values);
+    for (const hbSubspace& subspace : part.subspaces()) {
+      const std::int64_t to = set.subspace(subspace.levels).offset;
+      for (std::int64_t i = 0; i < subspace.count(); ++i)
+        surpluses[std::size_t(to + i)] += wanted.coefficient * values[std::size_t(subspace.offset + i)];
+    }
+  }
+  std::vector<std::vector<float>> components;
+  components.push_back(toFloats(surpluses));
+  return {frame, set, std::move(components)};
+}
+
+std::vector<double> hbSparseGrid::nodalValues(int component) const {
+  const auto stored = surpluses(component);
+  std::vector<double> values(stored.begin(), stored.end());
+  hb::dehierarchise(set_, values);
+  return values;
+}
+
+double hbSparseGrid::latticeCoordinate(double x, int axis) const {
+  return (x > 0.0 ? std::min(x, 1.0) : 0.0) * scale_[axis];
+}
+
+template <class Real>
+void hbSparseGrid::hats(const glm::dvec3& point, hbHat<Real>& x, hbHat<Real>& y, hbHat<Real>& z) const {
+  x.evaluate(Real(latticeCoordinate(point.x, 0)), set_.flat().x, set_.finest().x);
+  y.evaluate(Real(latticeCoordinate(point.y, 1)), set_.flat().y, set_.finest().y);
+  z.evaluate(Real(latticeCoordinate(point.z, 2)), set_.flat().z, set_.finest().z);
+}
+
+// For each (ly,lz) and each of its nodes that matters: the sum over lx, weighted by the hats of y and z. Sums over
+// columns are in 64 bits, for there are hundreds of terms of either sign.
+template <class Real>
+Real hbSparseGrid::evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hbHat<Real>& z,
+                            const float* surpluses) const {
+  const Slots x0 = slotsOf(0, set_.flat().x);
+  double sum = 0.0;
+  for (const Column& column : columns_) {
+    const Slots ys = slotsOf(column.ly, set_.flat().y), zs = slotsOf(column.lz, set_.flat().z);
+    const int levels = int(column.offsets.size());
+    for (int sz = zs.first; sz < zs.first + zs.count; ++sz)
+      for (int sy = ys.first; sy < ys.first + ys.count; ++sy) {
+        const std::int64_t row = z.node[std::size_t(sz)] * column.ny + y.node[std::size_t(sy)];
+        const float* boundary = surpluses + column.offsets[0] + row * x0.count;
+        Real inner = x.weight[0] * Real(boundary[0]);
+        if (x0.count == 2) inner += x.weight[1] * Real(boundary[1]);
+        for (int l = 1; l < levels; ++l)
+          inner += x.weight[std::size_t(l + 1)] *
+                   Real(surpluses[column.offsets[std::size_t(l)] + (row << (l - 1)) + x.node[std::size_t(l + 1)]]);
+        sum += double(y.weight[std::size_t(sy)] * z.weight[std::size_t(sz)] * inner);
+      }
+  }
+  return Real(sum);
+}
+
+template <class Real>
+Real hbSparseGrid::evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hbHat<Real>& z, const float* surpluses,
+                            glm::vec<3, Real>& gradient) const {
+  const Slots x0 = slotsOf(0, set_.flat().x);
+  double sum = 0.0;
+  glm::dvec3 slopes(0.0);
+  for (const Column& column : columns_) {
+    const Slots ys = slotsOf(column.ly, set_.flat().y), zs = slotsOf(column.lz, set_.flat().z);
+    const int levels = int(column.offsets.size());
+    for (int sz = zs.first; sz < zs.first + zs.count; ++sz)
+      for (int sy = ys.first; sy < ys.first + ys.count; ++sy) {
+        const std::int64_t row = z.node[std::size_t(sz)] * column.ny + y.node[std::size_t(sy)];
+        Real inner(0), innerSlope(0);
+        const auto add = [&](int slot, float surplus) {
+          inner += x.weight[std::size_t(slot)] * Real(surplus);
+          innerSlope += x.slope[std::size_t(slot)] * Real(surplus);
+        };
+        for (int s = 0; s < x0.count; ++s) add(s, surpluses[column.offsets[0] + row * x0.count + s]);
+        for (int l = 1; l < levels; ++l)
+          add(l + 1, surpluses[column.offsets[std::size_t(l)] + (row << (l - 1)) + x.node[std::size_t(l + 1)]]);
+        const Real wy = y.weight[std::size_t(sy)], wz = z.weight[std::size_t(sz)];
+        sum += double(wy * wz * inner);
+        slopes.x += double(wy * wz * innerSlope);
+        slopes.y += double(y.slope[std::size_t(sy)] * wz * inner);
+        slopes.z += double(wy * z.slope[std::size_t(sz)] * inner);
+      }
+  }
+  gradient = glm::vec<3, Real>(slopes * scale_);
+  return Real(sum);
+}
+
+void hbSparseGrid::values(const hbPoints& points, int component, std::span<float> out) const {
+  const float* stored = surpluses(component).data();
+  hbHat<float> x, y, z;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    hats({points.x[i], points.y[i], points.z[i]}, x, y, z);
+    out[i] = evaluate(x, y, z, stored);
+  }
+}
+
+void hbSparseGrid::gradients(const hbPoints& points, int component, std::span<float> out,
+                             const hbGradients& gradient) const {
+  const float* stored = surpluses(component).data();
+  hbHat<float> x, y, z;
+  glm::vec3 slopes;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    hats({points.x[i], points.y[i], points.z[i]}, x, y, z);
+    out[i] = evaluate(x, y, z, stored, slopes);
+    gradient.dx[i] = slopes.x;
+    gradient.dy[i] = slopes.y;
+    gradient.dz[i] = slopes.z;
+  }
+}
+
+double hbSparseGrid::calcValue(const glm::dvec3& point, int component) const {
+  hbHat<double> x, y, z;
+  hats(point, x, y, z);
+  return evaluate(x, y, z, surpluses(component).data());
+}
+
+double hbSparseGrid::calcValue(const glm::dvec3& point, int component, glm::dvec3& gradient) const {
+  hbHat<double> x, y, z;
+  hats(point, x, y, z);
+  return evaluate(x, y, z, surpluses(component).data(), gradient);
+}
+
+void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs,
+                           int component, float* out, std::size_t strideY, std::size_t strideZ) const {
+  const float* stored = surpluses(component).data();
+  const auto hatsOf = [&](std::span<const double> coordinates, int axis) {
+    std::vector<hbHat<double>> list(coordinates.size());
+    for (std::size_t i = 0; i < list.size(); ++i)
+      list[i].evaluate(latticeCoordinate(coordinates[i], axis), set_.flat()[axis], set_.finest()[axis]);
+    return list;
+  };
+  const std::vector<hbHat<double>> hatsX = hatsOf(xs, 0), hatsY = hatsOf(ys, 1), hatsZ = hatsOf(zs, 2);
+  const int finest = set_.finest().x;
+  const bool flat = set_.flat().x;
+  // rows[l]: the surpluses of the one-dimensional function that the row is, level l of x.
+  std::vector<std::vector<double>> rows(std::size_t(finest + 1));
+  for (int l = 0; l <= finest; ++l) rows[std::size_t(l)].resize(std::size_t(hbIndexSet::axisNodes(flat, l)));
+
+  const auto contract = [&](const hbHat<double>& y, const hbHat<double>& z) {
+    for (auto& row : rows) std::fill(row.begin(), row.end(), 0.0);
+    for (const Column& column : columns_) {
+      const Slots sy = slotsOf(column.ly, set_.flat().y), sz = slotsOf(column.lz, set_.flat().z);
+      for (int k = sz.first; k < sz.first + sz.count; ++k)
+        for (int j = sy.first; j < sy.first + sy.count; ++j) {
+          const double weight = y.weight[std::size_t(j)] * z.weight[std::size_t(k)];
+          if (weight == 0.0) continue;
+          const std::int64_t place = z.node[std::size_t(k)] * column.ny + y.node[std::size_t(j)];
+          for (std::size_t l = 0; l < column.offsets.size(); ++l) {
+            const std::size_t count = rows[l].size();
+            const float* from = stored + column.offsets[l] + place * std::int64_t(count);
+            for (std::size_t i = 0; i < count; ++i) rows[l][i] += weight * double(from[i]);
+          }
+        }
+    }
+  };
+  for (std::size_t k = 0; k < zs.size(); ++k)
+    for (std::size_t j = 0; j < ys.size(); ++j) {
+      contract(hatsY[j], hatsZ[k]);
+      float* row = out + j * strideY + k * strideZ;
+      for (std::size_t i = 0; i < xs.size(); ++i) {
+        const hbHat<double>& x = hatsX[i];
+        double sum = x.weight[0] * rows[0][0] + (flat ? 0.0 : x.weight[1] * rows[0][1]);
+        for (int l = 1; l <= finest; ++l)
+          sum += x.weight[std::size_t(l + 1)] * rows[std::size_t(l)][std::size_t(x.node[std::size_t(l + 1)])];
+        row[i] = float(sum);
+      }
+    }
+}
+
+hbRange hbSparseGrid::range(const hbBox& box, int component) const {
+  double lo = 0.0, hi = 0.0, magnitude = 0.0;
+  for (const hbSubspace& subspace : set_.subspaces()) {
+    // The nodes whose hats meet the box, first to last, and whether the weights at a point sum to 1 (level 0
+    // throughout).
+    hbSize3 first(0), last(0);
+    bool convex = true;
+    for (int d = 0; d < 3; ++d) {
+      last[d] = subspace.nodes[d] - 1;
+      if (subspace.levels[d] == 0) continue;
+      convex = false;
+      hbHat<double> from, to;
+      from.evaluate(latticeCoordinate(box.lo[d], d), false, subspace.levels[d]);
+      to.evaluate(latticeCoordinate(box.hi[d], d), false, subspace.levels[d]);
+      first[d] = from.node[std::size_t(subspace.levels[d] + 1)];
+      last[d] = to.node[std::size_t(subspace.levels[d] + 1)];
+    }
+    const auto stored = surpluses(subspace, component);
+    double least = convex ? std::numeric_limits<double>::infinity() : 0.0, greatest = -least;
+    for (std::int64_t k = first.z; k <= last.z; ++k)
+      for (std::int64_t j = first.y; j <= last.y; ++j)
+        for (std::int64_t i = first.x; i <= last.x; ++i) {
+          const double s = stored[std::size_t(i + subspace.nodes.x * (j + subspace.nodes.y * k))];
+          least = std::min(least, s);
+          greatest = std::max(greatest, s);
+        }
+    lo += least;
+    hi += greatest;
+    magnitude += std::max(std::abs(least), std::abs(greatest));
+  }
+  // Each term of evaluate() rounds a dozen times in 32 bits: three weights, their products, and the sum over lx.
+  const double slack = (12.0 + set_.finest().x) * 0x1p-24 * magnitude;
+  return {float(lo - slack), float(hi + slack)};
+}

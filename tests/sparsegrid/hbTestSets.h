@@ -1,0 +1,70 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include <glm/vector_relational.hpp>
+#include <rapidcheck.h>
+
+#include "sparsegrid/hbSparseGrid.h"
+
+/// Random index sets, and the references and bounds the sparse-grid tests share.
+namespace hbTestSets {
+
+/// Axes with any mixture of flat, two-node and refined ones up to level 5.
+inline rc::Gen<hbIndexSet::Axes> axes() {
+  return rc::gen::map(rc::gen::container<std::vector<int>>(3, rc::gen::inRange(-1, 6)),
+                      [](const std::vector<int>& kinds) {
+                        hbIndexSet::Axes axes;
+                        for (int d = 0; d < 3; ++d) {
+                          axes.flat[d] = kinds[std::size_t(d)] < 0;
+                          axes.maxLevel[d] = std::max(kinds[std::size_t(d)], 0);
+                        }
+                        return axes;
+                      });
+}
+
+/// A regular, capped, anisotropic or full set.
+inline rc::Gen<hbIndexSet> any() {
+  return rc::gen::map(
+      rc::gen::pair(axes(), rc::gen::inRange(0, 8)), [](const std::pair<hbIndexSet::Axes, int>& choice) {
+        return choice.second == 0 ? hbIndexSet::full(choice.first) : hbIndexSet::regular(choice.second, choice.first);
+      });
+}
+
+/// The size of a volume whose lattice the set's axes are: 1 where flat, 2 where coarse, 2^l + 1.
+inline hbSize3 sizeOf(const hbIndexSet& set) {
+  hbSize3 size;
+  for (int d = 0; d < 3; ++d) size[d] = set.flat()[d] ? 1 : (std::int64_t{1} << set.finest()[d]) + 1;
+  return size;
+}
+
+/// Sum over the subspaces of the largest surplus: no partial sum of an evaluation exceeds it, as the weights of the
+/// basis functions of one subspace sum to at most 1.
+inline double amplitude(const hbSparseGrid& grid, int component = 0) {
+  double sum = 0.0;
+  for (const hbSubspace& subspace : grid.indexSet().subspaces()) {
+    float largest = 0.0F;
+    for (const float s : grid.surpluses(subspace, component)) largest = std::max(largest, std::abs(s));
+    sum += largest;
+  }
+  return sum;
+}
+
+/// Rounding of the direct engine in 32 bits: three weights and their two products, the product with the surplus, the
+/// surplus itself, and the additions over lx; the rest is in 64 bits; once more at the end.
+inline double directBound(const hbSparseGrid& grid, int component = 0) {
+  return (9.0 + grid.indexSet().finest().x) * 0x1p-24 * amplitude(grid, component);
+}
+
+/// Rounding of the combination in 32 bits: the nodal value, and three operations for each of three lerps, for each
+/// component grid; `largest` bounds the nodal values.
+inline double combinationBound(const hbIndexSet& set, double largest) {
+  double coefficients = 0.0;
+  for (const auto& grid : set.componentGrids()) coefficients += std::abs(grid.coefficient);
+  return 11.0 * 0x1p-24 * coefficients * largest;
+}
+
+} // namespace hbTestSets
