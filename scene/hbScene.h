@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "scene/hbCamera.h"
+#include "scene/hbMode.h"
+#include "scene/hbSampling.h"
+#include "volume/hbGeometry.h"
+
+/// What is looked at and what is seen. What is left empty is chosen from the volume or the picture.
+struct hbScene {
+  static constexpr int kMaxPictureSide = 16384;
+
+  hbMode mode = hbMode::xray;
+  std::optional<hbCamera> camera; ///< None: the whole volume from the default angle, see cameraFor().
+  hbSampling sampling;
+  std::optional<double> isoValue;                  ///< In the data's own values.
+  std::optional<std::pair<double, double>> window; ///< Picture values shown as the map's two ends, first < second.
+  std::string colormap;                            ///< One of hbColormap::names(); "": the mode's default.
+  int component = 0;
+  bool magnitude = false;        ///< Show the Euclidean length of all components instead of one of them.
+  int width = 512, height = 512; ///< Of the picture in pixels, 1 to kMaxPictureSide.
+
+  /// `camera`, or where there is none the default framing of this volume for the picture's shape.
+  hbCamera cameraFor(const hbGeometry& geometry) const;
+
+  /// Throws hbError beginning with `what` and the name of the member (as in JSON) that is outside its range.
+  void validate(const std::string& what = "scene") const;
+
+  bool operator==(const hbScene&) const = default;
+};
+
+namespace hb {
+
+/// The scene as a JSON object, indented, ending with a line feed; equal scenes give equal text, and sceneFromJson()
+/// gives back the very same numbers. Throws hbError for a scene that is not valid.
+std::string toJson(const hbScene& scene);
+
+/// Reads what toJson() writes. Keys may be left out (their members keep the default), except `version`, the camera's
+/// `position` and `target`, and the `height` of an orthographic camera. Anything else throws hbError: one line that
+/// begins with `name` and gives the key, or the line and column where the text is no JSON.
+hbScene sceneFromJson(const std::string& text, const std::string& name);
+
+/// Reads a scene from a file of at most 1 MB; throws hbError as sceneFromJson() does.
+hbScene loadScene(const std::filesystem::path& path);
+
+/// Writes toJson(scene); the file appears whole or not at all.
+void saveScene(const hbScene& scene, const std::filesystem::path& path);
+
+} // namespace hb
