@@ -2,7 +2,8 @@
 
 #include <cstdint>
 
-/// How a volume's samples lie on the dyadic lattice of a hierarchical representation. The numbers are those of the `.hbv` file.
+/// How a volume's samples lie on the dyadic lattice of a hierarchical representation. The numbers are those of the
+/// `.hbv` file.
 enum class hbLatticeMapping : std::uint8_t {
   /// The lattice's cube is the volume's cube; a node takes the volume's trilinear value there.
   fitted = 0,

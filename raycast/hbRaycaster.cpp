@@ -1,0 +1,303 @@
+#include "raycast/hbRaycaster.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <oneapi/tbb/blocked_range2d.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "raycast/hbRaySegment.h"
+#include "volume/hbError.h"
+
+namespace {
+
+constexpr int kTile = 16;           // pixels a side
+constexpr std::size_t kBatch = 256; // samples handed to the field at once
+
+/// Points of the cube collected for one call of the field.
+struct Batch {
+  std::vector<float> x, y, z, value;
+
+  void clear() {
+    x.clear();
+    y.clear();
+    z.clear();
+  }
+  void add(const glm::dvec3& p) {
+    x.push_back(float(p.x));
+    y.push_back(float(p.y));
+    z.push_back(float(p.z));
+  }
+  std::size_t size() const { return x.size(); }
+  void evaluate(const hbField& field, int component) {
+    value.resize(size());
+    field.values({x, y, z}, component, value);
+  }
+};
+
+/// The samples of one ray: sample i lies at the world distance first + i * step, i < count, and stands for `weight`.
+struct RaySamples {
+  double first = 0.0, step = 0.0, weight = 0.0;
+  std::int64_t count = 0;
+};
+
+/// A crossing of the iso-value: above and below at the ends of [a, b].
+struct Crossing {
+  std::size_t pixel = 0;
+  hbRaySegment segment;
+  glm::dvec3 ray{0.0};
+  double a = 0.0, b = 0.0;
+  float valueA = 0.0F, valueB = 0.0F;
+};
+
+/// What all tiles of one frame share.
+struct Frame {
+  const hbField& field;
+  const hbScene& scene;
+  const hbCamera camera;
+  const hbValueMap map;
+  glm::dmat4 worldToCube;
+  glm::dmat3 gradientToWorld; ///< The inverse transpose of cube to world.
+  hbSampling::Extent extent;
+  double step;
+  float iso;
+
+  std::vector<float>*y, *a, *z = nullptr, *nx = nullptr, *ny = nullptr, *nz = nullptr, *value = nullptr;
+
+  Frame(const hbField& f, const hbScene& s, hbPicture& picture)
+      : field(f), scene(s), camera(*s.camera), map(f.valueMap()), worldToCube(glm::inverse(f.geometry().cubeToWorld())),
+        gradientToWorld(glm::transpose(glm::dmat3(worldToCube))), extent(hbSampling::extent(f.geometry(), camera)),
+        step(s.sampling.stepLength(f.geometry(), camera)), iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F) {
+    y = &picture.add("Y");
+    a = &picture.add("A");
+    if (s.mode != hbMode::iso) return;
+    z = &picture.add("Z", std::numeric_limits<float>::infinity());
+    nx = &picture.add("N.X");
+    ny = &picture.add("N.Y");
+    nz = &picture.add("N.Z");
+    value = &picture.add("value");
+  }
+
+  RaySamples samples(const hbRay& ray, const hbRaySegment& segment) const {
+    if (scene.sampling.kind == hbSampling::Kind::planewise) return onPlanes(ray, segment);
+    const double count = std::max(1.0, std::ceil(segment.length() / step));
+    const double length = segment.length() / count;
+    // Iso looks at both ends of every step, integrals and maxima at the midpoints.
+    if (scene.mode == hbMode::iso) return {segment.enter, length, length, std::int64_t(count) + 1};
+    return {segment.enter + 0.5 * length, length, length, std::int64_t(count)};
+  }
+
+  RaySamples onPlanes(const hbRay& ray, const hbRaySegment& segment) const {
+    const glm::dvec3 axis = camera.viewAxis();
+    const double cosine = glm::dot(ray.direction, axis);
+    if (!(cosine > 0.0)) return {};
+    // Plane i lies at near + (i + 1/2) step along the axis, measured from the camera's position.
+    const double start = glm::dot(ray.origin - camera.position, axis);
+    const auto plane = [&](double distance) { return (start + distance * cosine - extent.near) / step - 0.5; };
+    const double planes = scene.sampling.planes(field.geometry(), camera);
+    const double first = std::max(0.0, std::ceil(plane(segment.enter))),
+                 last = std::min(planes - 1.0, std::floor(plane(segment.leave)));
+    if (last < first) return {};
+    return {(extent.near + (first + 0.5) * step - start) / cosine, step / cosine, step / cosine,
+            std::int64_t(last - first) + 1};
+  }
+};
+
+/// Works through the pixels of one tile.
+class Tile {
+public:
+  explicit Tile(const Frame& frame) : frame_(frame) {}
+
+  void pixel(int px, int py) {
+    const hbRay ray = frame_.camera.ray(px + 0.5, py + 0.5, frame_.scene.width, frame_.scene.height);
+    const auto segment = hb::clipToCube(ray, frame_.worldToCube);
+    if (!segment) return;
+    const RaySamples samples = frame_.samples(ray, *segment);
+    const std::size_t at = std::size_t(px) + std::size_t(frame_.scene.width) * std::size_t(py);
+    switch (frame_.scene.mode) {
+    case hbMode::xray:
+      return integrate(*segment, samples, at);
+    case hbMode::mip:
+      return maximum(*segment, samples, at);
+    case hbMode::iso:
+      return findCrossing(ray, *segment, samples, at);
+    }
+  }
+
+  /// Refines and shades the crossings of all pixels, a round of bisection at a time.
+  void finish() {
+    if (crossings_.empty()) return;
+    if (frame_.scene.sampling.kind == hbSampling::Kind::equidistant) refine();
+    shade();
+  }
+
+private:
+  /// Hands the ray's values to visit(index, value) in batches; stops when visit returns false.
+  template <class Visit>
+  void march(const hbRaySegment& segment, const RaySamples& samples, Visit visit) {
+    for (std::int64_t begin = 0; begin < samples.count; begin += std::int64_t(kBatch)) {
+      const std::int64_t end = std::min(samples.count, begin + std::int64_t(kBatch));
+      batch_.clear();
+      for (std::int64_t i = begin; i < end; ++i) batch_.add(segment.at(samples.first + double(i) * samples.step));
+      batch_.evaluate(frame_.field, frame_.scene.component);
+      for (std::int64_t i = begin; i < end; ++i)
+        if (!visit(i, batch_.value[std::size_t(i - begin)])) return;
+    }
+  }
+
+  void integrate(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
+    double sum = 0.0;
+    march(segment, samples, [&](std::int64_t, float value) {
+      sum += double(value);
+      return true;
+    });
+    const double length = double(samples.count) * samples.weight;
+    (*frame_.y)[at] = float(frame_.map.scale * sum * samples.weight + frame_.map.offset * length);
+    (*frame_.a)[at] = 1.0F;
+  }
+
+  void maximum(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
+    float greatest = -std::numeric_limits<float>::infinity();
+    march(segment, samples, [&](std::int64_t, float value) {
+      greatest = std::max(greatest, value);
+      return true;
+    });
+    if (samples.count == 0) return; // between two planes
+    (*frame_.y)[at] = float(frame_.map.toTrue(greatest));
+    (*frame_.a)[at] = 1.0F;
+  }
+
+  void findCrossing(const hbRay& ray, const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
+    float before = 0.0F;
+    march(segment, samples, [&](std::int64_t i, float value) {
+      const bool crossed = i > 0 && (before >= frame_.iso) != (value >= frame_.iso);
+      if (crossed) {
+        const double b = samples.first + double(i) * samples.step;
+        crossings_.push_back({at, segment, ray.direction, b - samples.step, b, before, value});
+      }
+      before = value;
+      return !crossed;
+    });
+  }
+
+  void refine() {
+    // Every bracket is one step long at first, so all of them are done after the same number of rounds.
+    for (double fraction = 1.0; fraction > hbRaycaster::kIsoBracket; fraction *= 0.5) {
+      batch_.clear();
+      for (const Crossing& c : crossings_) batch_.add(c.segment.at(0.5 * (c.a + c.b)));
+      batch_.evaluate(frame_.field, frame_.scene.component);
+      for (std::size_t i = 0; i < crossings_.size(); ++i) {
+        Crossing& c = crossings_[i];
+        const double middle = 0.5 * (c.a + c.b);
+        const float value = batch_.value[i];
+        const bool inFirstHalf = (c.valueA >= frame_.iso) != (value >= frame_.iso);
+        (inFirstHalf ? c.b : c.a) = middle;
+        (inFirstHalf ? c.valueB : c.valueA) = value;
+      }
+    }
+  }
+
+  void shade() {
+    // Where the line through both ends meets the iso-value; they lie on different sides, so it is between them.
+    std::vector<double> distance;
+    std::vector<glm::dvec3> places;
+    for (const Crossing& c : crossings_) {
+      const double t = (double(frame_.iso) - double(c.valueA)) / (double(c.valueB) - double(c.valueA));
+      distance.push_back(c.a + std::clamp(t, 0.0, 1.0) * (c.b - c.a));
+      places.push_back(c.segment.at(distance.back()));
+    }
+    batch_.clear();
+    for (const glm::dvec3& p : places) batch_.add(p);
+    batch_.evaluate(frame_.field, frame_.scene.component);
+    const std::vector<float> values = batch_.value;
+    const std::vector<glm::dvec3> gradients = centralDifferences(places);
+    for (std::size_t i = 0; i < crossings_.size(); ++i) {
+      const Crossing& c = crossings_[i];
+      glm::dvec3 normal = frame_.gradientToWorld * gradients[i];
+      const double length = glm::length(normal);
+      normal = length > 0.0 ? normal / length : -c.ray;
+      if (glm::dot(normal, c.ray) > 0.0) normal = -normal;
+      (*frame_.y)[c.pixel] = float(-glm::dot(normal, c.ray)); // Lambert, lit from the viewer
+      (*frame_.a)[c.pixel] = 1.0F;
+      (*frame_.z)[c.pixel] = float(depth(c, distance[i]));
+      (*frame_.nx)[c.pixel] = float(normal.x);
+      (*frame_.ny)[c.pixel] = float(normal.y);
+      (*frame_.nz)[c.pixel] = float(normal.z);
+      (*frame_.value)[c.pixel] = float(frame_.map.toTrue(values[i]));
+    }
+  }
+
+  // Rays of both projections start on the plane through the camera's position.
+  double depth(const Crossing& c, double distance) const {
+    return distance * glm::dot(c.ray, frame_.camera.viewAxis());
+  }
+
+  /// The differences of the field one sample spacing to either side, along each axis of the cube; one-sided at its
+  /// faces.
+  std::vector<glm::dvec3> centralDifferences(const std::vector<glm::dvec3>& places) {
+    const glm::dvec3 h = frame_.field.geometry().cubeSpacing();
+    std::vector<glm::dvec3> result(places.size(), glm::dvec3(0.0));
+    for (int d = 0; d < 3; ++d) {
+      if (frame_.field.geometry().isFlat(d)) continue;
+      batch_.clear();
+      std::vector<double> span;
+      for (const glm::dvec3& p : places) {
+        glm::dvec3 lower = p, upper = p;
+        lower[d] = std::max(0.0, p[d] - h[d]);
+        upper[d] = std::min(1.0, p[d] + h[d]);
+        batch_.add(lower);
+        batch_.add(upper);
+        span.push_back(upper[d] - lower[d]);
+      }
+      batch_.evaluate(frame_.field, frame_.scene.component);
+      for (std::size_t i = 0; i < places.size(); ++i)
+        result[i][d] = (double(batch_.value[2 * i + 1]) - double(batch_.value[2 * i])) / span[i];
+    }
+    return result;
+  }
+
+  const Frame& frame_;
+  Batch batch_;
+  std::vector<Crossing> crossings_;
+};
+
+} // namespace
+
+hbRaycaster::hbRaycaster(const hbField& field, const hbScene& scene) : field_(field), scene_(scene) {
+  scene_.camera = scene.cameraFor(field.geometry());
+  scene_.validate();
+  if (scene_.component < 0 || scene_.component >= field.components())
+    throw hbError(fmt::format("component: expected 0 to {}, found {}", field.components() - 1, scene_.component));
+  if (scene_.mode == hbMode::iso && !scene_.isoValue) throw hbError("iso: expected an iso-value");
+}
+
+hbPicture hbRaycaster::render(hbProgress& progress) const {
+  hbPicture picture;
+  picture.width = scene_.width;
+  picture.height = scene_.height;
+  picture.metadata[hbPicture::kSceneKey] = hb::toJson(scene_);
+  const Frame frame(field_, scene_, picture);
+  progress.begin("ray casting", std::int64_t(scene_.width) * scene_.height, "pixels");
+  const int rows = (scene_.height + kTile - 1) / kTile, columns = (scene_.width + kTile - 1) / kTile;
+  tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 1), [&](const tbb::blocked_range2d<int>& range) {
+    for (int row = range.rows().begin(); row < range.rows().end(); ++row)
+      for (int column = range.cols().begin(); column < range.cols().end(); ++column) {
+        Tile tile(frame);
+        const int x1 = std::min(scene_.width, (column + 1) * kTile), y1 = std::min(scene_.height, (row + 1) * kTile);
+        for (int y = row * kTile; y < y1; ++y) {
+          for (int x = column * kTile; x < x1; ++x) tile.pixel(x, y);
+          progress.advance(x1 - column * kTile);
+        }
+        tile.finish();
+      }
+  });
+  return picture;
+}
