@@ -156,12 +156,13 @@ hbNrrdHeader hb::readNrrdHeader(const fs::path& path) {
   const Fields fields = readFields(path, rest, h.files);
   h.dataOffset = whole.size() - rest.size();
   const std::string what = path.string();
-  const auto field = [&](const std::string& name) {
+  const std::string missing;
+  const auto field = [&](const std::string& name) -> const std::string& { // a reference, for the views into it
     const auto found = fields.find(name);
-    return found == fields.end() ? std::string() : found->second;
+    return found == fields.end() ? missing : found->second;
   };
   const auto integer = [&](const std::string& name) {
-    const std::string text = field(name);
+    const std::string& text = field(name);
     const std::optional<std::int64_t> number = text.empty() ? 0 : toInteger(text);
     if (!number) throw hbError(fmt::format("{}: {}: expected an integer, found '{}'", what, name, text));
     return *number;
@@ -222,7 +223,7 @@ hbNrrdHeader hb::readNrrdHeader(const fs::path& path) {
   const auto maxs = numbersOf(what, fields, "axismaxs", axes);
   g.space = field("space");
   const glm::dvec3 flips = flipsOf(g.space);
-  if (const std::string text = field("spaceorigin"); !text.empty()) {
+  if (const std::string& text = field("spaceorigin"); !text.empty()) {
     const auto origin = vectorsOf(what + ": space origin", text);
     if (origin.size() != 1 || !origin[0]) throw hbError(fmt::format("{}: space origin: expected one vector", what));
     g.origin = flips * *origin[0];
