@@ -1,0 +1,410 @@
+#include "volume/hbVolumeReader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/geometric.hpp>
+
+#include "volume/hbError.h"
+#include "volume/hbHeaderText.h"
+#include "volume/hbItkImage.h"
+#include "volume/hbMappedFile.h"
+#include "volume/hbMetaImageHeader.h"
+#include "volume/hbNrrdHeader.h"
+#include "volume/hbVtkHeader.h"
+
+namespace fs = std::filesystem;
+using Format = hbItkImage::Format;
+
+namespace {
+
+constexpr std::string_view kFormats = ".nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, .tif, .tiff, .vtk, .dcm, .raw, or a "
+                                      "folder of DICOM slices";
+constexpr std::string_view kLps = "left-posterior-superior";
+
+// The most bytes that a compressed byte can stand for. Deflate: 258 bytes in 2 bits. Others (the codecs of TIFF and
+// DICOM) have no such bound; this one is far beyond what pictures reach.
+constexpr std::uint64_t kDeflateRatio = 1032;
+constexpr std::uint64_t kAnyRatio = 65536;
+
+std::uint64_t bytesOf(std::int64_t samples, std::int64_t components, std::size_t each) {
+  std::uint64_t bytes = 0;
+  if (__builtin_mul_overflow(std::uint64_t(samples), std::uint64_t(components) * each, &bytes))
+    return std::numeric_limits<std::uint64_t>::max();
+  return bytes;
+}
+
+std::uint64_t fileSize(const fs::path& path) {
+  std::error_code failed;
+  const std::uint64_t size = fs::file_size(path, failed);
+  if (failed) throw hbError(fmt::format("{}: cannot be read: {}", path.string(), failed.message()));
+  return size;
+}
+
+void requireFile(const fs::path& path, std::uint64_t expected, std::uint64_t found) {
+  if (found < expected)
+    throw hbError(fmt::format("{}: expected at least {} bytes of samples, found {}", path.string(), expected, found));
+}
+
+/// A compressed file, too small for what its header promises.
+void requireRatio(const fs::path& path, std::uint64_t expected, std::uint64_t found, std::uint64_t ratio) {
+  if (found < expected / ratio)
+    throw hbError(fmt::format("{}: expected {} bytes of samples, which {} compressed bytes cannot hold", path.string(),
+                              expected, found));
+}
+
+std::shared_ptr<std::byte> allocate(const fs::path& path, std::uint64_t bytes, const hbReadOptions& options) {
+  const auto fail = [&](std::string_view limit) {
+    return hbError(fmt::format("{}: needs {} bytes of memory for its samples, {}", path.string(), bytes, limit));
+  };
+  if (bytes > options.memoryLimit) throw fail(fmt::format("the limit is {}", options.memoryLimit));
+  try {
+    return {new std::byte[bytes], std::default_delete<std::byte[]>()};
+  } catch (const std::bad_alloc&) {
+    throw fail("which there is not");
+  }
+}
+
+/// The sizes of the first three dimensions; the others must be 1.
+hbSize3 sizesOf(const fs::path& path, const std::vector<std::int64_t>& sizes) {
+  if (!hb::productOf(sizes))
+    throw hbError(fmt::format("{}: expected at least one sample along each axis and fewer than 2^60 in all, found {}",
+                              path.string(), hb::sizesText(sizes)));
+  hbSize3 result(1);
+  for (std::size_t d = 0; d < sizes.size(); ++d) {
+    if (d < 3)
+      result[int(d)] = sizes[d];
+    else if (sizes[d] != 1)
+      throw hbError(fmt::format("{}: expected a volume of three dimensions, found {} ({}); split a time series into "
+                                "one file a step",
+                                path.string(), sizes.size(), hb::sizesText(sizes)));
+  }
+  return result;
+}
+
+/// ITK's coordinates as ours: positive spacings, unit directions.
+hbGeometry geometryOf(const fs::path& path, const hbItkImage& image, std::string_view space) {
+  hbGeometry g;
+  g.size = sizesOf(path, image.sizes());
+  g.origin = image.origin();
+  g.space = space;
+  for (int d = 0; d < 3; ++d) {
+    const glm::dvec3 step = image.directions()[std::size_t(d)] * image.spacing()[d];
+    g.spacing[d] = glm::length(step);
+    if (g.spacing[d] > 0.0) g.direction[d] = step / g.spacing[d];
+  }
+  g.validate(path.string());
+  return g;
+}
+
+/// Integers of 64 bits as int32 or uint32, where they fit.
+template <class Wide, class Narrow>
+hbVolume narrowed(const fs::path& path, const hbGeometry& geometry, int components, const std::byte* data) {
+  std::vector<Narrow> samples(std::size_t(geometry.samples() * components));
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    Wide value;
+    std::memcpy(&value, data + i * sizeof value, sizeof value);
+    samples[i] = Narrow(value);
+    if (Wide(samples[i]) != value)
+      throw hbError(
+          fmt::format("{}: expected 64-bit integers whose values fit 32 bits, found {}", path.string(), value));
+  }
+  return hbVolume::fromSamples(geometry, std::move(samples), components);
+}
+
+/// Reads the samples through ITK; the file is known to be large enough for them.
+hbVolume decode(const fs::path& path, hbItkImage& image, const hbGeometry& geometry, const hbReadOptions& options,
+                hbProgress& progress) {
+  const int components = image.components();
+  const std::uint64_t bytes = bytesOf(geometry.samples(), components, image.componentBytes());
+  const std::shared_ptr<std::byte> data = allocate(path, bytes, options);
+  progress.begin("reading", std::int64_t(bytes), "bytes");
+  progress.advance(0);
+  image.read(data.get());
+  progress.advance(std::int64_t(bytes));
+  if (image.type())
+    return hbVolume(geometry, *image.type(), components, data, hbVolume::Layout::packed(geometry.size, components));
+  return image.isUnsigned() ? narrowed<std::uint64_t, std::uint32_t>(path, geometry, components, data.get())
+                            : narrowed<std::int64_t, std::int32_t>(path, geometry, components, data.get());
+}
+
+/// The samples of a file as they lie from `offset` on.
+hbVolume mapped(const fs::path& path, std::uint64_t offset, const hbGeometry& geometry, hbSampleType type,
+                int components, const hbVolume::Layout& layout) {
+  std::uint64_t size = 0;
+  const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
+  requireFile(path, bytesOf(geometry.samples(), components, hb::sampleBytes(type)), size - std::min(size, offset));
+  return hbVolume(geometry, type, components, {file, file.get() + offset}, layout);
+}
+
+/// The offset of the samples in a file where they start `skip` bytes after `start`, or are its end (skip -1).
+std::uint64_t offsetOf(const fs::path& path, std::uint64_t start, std::int64_t skip, std::uint64_t bytes) {
+  if (skip >= 0) return start + std::uint64_t(skip);
+  const std::uint64_t size = fileSize(path);
+  requireFile(path, bytes, size);
+  return size - bytes;
+}
+
+/// Where `lines` lines after `offset` end.
+std::uint64_t skipLines(const fs::path& path, std::uint64_t offset, std::int64_t lines) {
+  if (lines == 0) return offset;
+  std::uint64_t size = 0;
+  const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
+  const std::byte* const end = file.get() + size;
+  const std::byte* at = file.get() + std::min(offset, size);
+  for (; lines > 0; --lines) {
+    at = std::find(at, end, std::byte{'\n'});
+    if (at++ == end) throw hbError(fmt::format("{}: expected {} more lines to skip, found none", path.string(), lines));
+  }
+  return std::uint64_t(at - file.get());
+}
+
+std::uint64_t totalSize(const std::vector<fs::path>& files) {
+  std::uint64_t total = 0;
+  for (const fs::path& file : files) total += fileSize(file);
+  return total;
+}
+
+hbVolume readNrrd(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
+  const hbNrrdHeader header = hb::readNrrdHeader(path);
+  const hbGeometry& geometry = header.geometry;
+  std::uint64_t stored = header.files.empty() ? fileSize(path) - header.dataOffset : totalSize(header.files);
+  hbItkImage image(Format::nrrd, path);
+  const int fileComponents = image.components() + (header.masked ? 1 : 0);
+  const std::uint64_t bytes = bytesOf(geometry.samples(), fileComponents, image.componentBytes());
+  const bool raw = header.encoding == "raw";
+  if (raw || header.encoding == "hex")
+    requireFile(path, raw ? bytes : 2 * bytes, stored);
+  else if (header.encoding == "ascii")
+    requireFile(path, bytes / image.componentBytes(), stored); // a digit each, at the very least
+  else
+    requireRatio(path, bytes, stored, header.encoding == "gzip" ? kDeflateRatio : kAnyRatio);
+
+  const auto finish = [&](hbVolume volume) {
+    if (int(header.componentNames.size()) == volume.components()) volume.setComponentNames(header.componentNames);
+    return volume;
+  };
+  if (!raw || header.files.size() > 1 || header.masked || !image.type()) {
+    // ITK cuts sizes to 32 bits.
+    if (sizesOf(path, image.sizes()) != geometry.size)
+      throw hbError(fmt::format("{}: expected sizes below 2^32, found {}", path.string(), hb::sizesText(header.sizes)));
+    return finish(decode(path, image, geometry, options, progress));
+  }
+
+  const fs::path& file = header.files.empty() ? path : header.files[0];
+  const std::uint64_t start = skipLines(file, header.files.empty() ? header.dataOffset : 0, header.lineSkip);
+  hbVolume::Layout layout;
+  layout.byteSwapped = header.bigEndian && image.componentBytes() > 1;
+  std::int64_t step = 1;
+  int d = 0;
+  for (std::size_t a = 0; a < header.sizes.size(); ++a) {
+    if (int(a) == header.rangeAxis)
+      layout.componentStride = step;
+    else if (d < 3)
+      layout.stride[std::size_t(d++)] = step;
+    step *= header.sizes[a];
+  }
+  const std::uint64_t offset = offsetOf(file, start, header.byteSkip, bytes);
+  return finish(mapped(file, offset, geometry, *image.type(), image.components(), layout));
+}
+
+hbVolume readMetaImage(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
+  const hbMetaImageHeader header = hb::readMetaImageHeader(path);
+  const std::uint64_t stored = header.files.empty() ? fileSize(path) - header.dataOffset : totalSize(header.files);
+  // The samples are counted before ITK sees the header, as it reads sizes into 32 bits.
+  const std::uint64_t values = bytesOf(*hb::productOf(header.sizes), header.components, 1);
+  if (header.compressed)
+    requireRatio(path, values, stored, kDeflateRatio);
+  else
+    requireFile(path, values, stored);
+  if (header.ascii) {
+    const fs::path& file = header.files.empty() ? path : header.files[0];
+    const std::int64_t found = hb::countWords(file, header.files.empty() ? header.dataOffset : 0);
+    if (std::uint64_t(found) < values)
+      throw hbError(fmt::format("{}: expected {} values, found {}", path.string(), values, found));
+  }
+
+  hbItkImage image(Format::metaImage, path);
+  if (image.sizes() != header.sizes || image.components() != header.components)
+    throw hbError(fmt::format("{}: expected sizes below 2^31, found {}", path.string(), hb::sizesText(header.sizes)));
+  const hbGeometry geometry = geometryOf(path, image, header.oriented ? kLps : "");
+  const std::uint64_t bytes = bytesOf(geometry.samples(), image.components(), image.componentBytes());
+  if (header.ascii) return decode(path, image, geometry, options, progress);
+  if (header.compressed)
+    requireRatio(path, bytes, stored, kDeflateRatio);
+  else
+    requireFile(path, bytes, stored);
+  if (header.compressed || header.files.size() > 1 || !image.type())
+    return decode(path, image, geometry, options, progress);
+  const fs::path& file = header.files.empty() ? path : header.files[0];
+  const std::uint64_t offset = header.files.empty() ? header.dataOffset : offsetOf(file, 0, header.headerSize, bytes);
+  hbVolume::Layout layout = hbVolume::Layout::packed(geometry.size, image.components());
+  layout.byteSwapped = header.bigEndian && image.componentBytes() > 1;
+  return mapped(file, offset, geometry, *image.type(), image.components(), layout);
+}
+
+hbVolume readNifti(const fs::path& path, bool compressed, const hbReadOptions& options, hbProgress& progress) {
+  hbItkImage image(Format::nifti, path);
+  const hbGeometry geometry = geometryOf(path, image, kLps);
+  const std::uint64_t size = fileSize(path);
+  if (compressed) {
+    requireRatio(path, bytesOf(geometry.samples(), image.components(), 1), size, kDeflateRatio);
+  } else {
+    // Bits a sample in the file, which differ from ITK's where a slope makes floats; and the place of the samples.
+    // https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h
+    constexpr std::size_t kHeader = 348, kDims = 40, kBits = 72, kOffset = 108;
+    std::uint64_t length = 0;
+    const std::shared_ptr<const std::byte> file = hb::mapFile(path, length);
+    requireFile(path, kHeader, length);
+    const bool swapped = hb::loadSample<std::int32_t, false>(file.get()) != std::int32_t(kHeader);
+    const auto int16 = [&](std::size_t at) {
+      return swapped ? hb::loadSample<std::int16_t, true>(file.get() + at)
+                     : hb::loadSample<std::int16_t, false>(file.get() + at);
+    };
+    const float start = swapped ? hb::loadSample<float, true>(file.get() + kOffset)
+                                : hb::loadSample<float, false>(file.get() + kOffset);
+    std::vector<std::int64_t> dims;
+    for (int d = 1; d <= std::clamp<int>(int16(kDims), 0, 7); ++d)
+      dims.push_back(std::max<std::int64_t>(1, int16(kDims + 2 * std::size_t(d))));
+    const std::int64_t samples = hb::productOf(dims).value_or(std::int64_t{1} << 60);
+    const auto offset = start >= 0.0F && start < 1e15F ? std::uint64_t(start) : std::uint64_t{0};
+    requireFile(path, bytesOf(samples, 1, std::size_t(std::max<int>(8, int16(kBits))) / 8),
+                length - std::min(length, offset));
+  }
+  return decode(path, image, geometry, options, progress);
+}
+
+hbVolume readTiff(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
+  const hb::TiffPages pages = hb::checkTiff(path);
+  if (pages.compressed)
+    requireRatio(path, pages.bytes, fileSize(path), kAnyRatio);
+  else
+    requireFile(path, pages.bytes, fileSize(path));
+  hbItkImage image(Format::tiff, path);
+  return decode(path, image, geometryOf(path, image, ""), options, progress);
+}
+
+hbVolume readVtk(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
+  const hbVtkHeader header = hb::readVtkHeader(path);
+  hbItkImage image(Format::vtk, path);
+  hbGeometry geometry;
+  geometry.size = sizesOf(path, header.sizes);
+  geometry.origin = header.origin;
+  geometry.spacing = header.spacing;
+  geometry.validate(path.string());
+  std::vector<std::int64_t> itkSizes = image.sizes();
+  itkSizes.resize(3, 1);
+  if (itkSizes != header.sizes)
+    throw hbError(fmt::format("{}: expected sizes below 2^32, found {}", path.string(), hb::sizesText(header.sizes)));
+  const std::uint64_t values = bytesOf(geometry.samples(), image.components(), 1);
+  if (header.ascii && std::uint64_t(header.textValues) < values)
+    throw hbError(fmt::format("{}: expected {} values, found {}", path.string(), values, header.textValues));
+  if (!header.ascii)
+    requireFile(path, bytesOf(geometry.samples(), image.components(), image.componentBytes()),
+                fileSize(path) - header.dataOffset);
+  hbVolume volume = decode(path, image, geometry, options, progress);
+  if (volume.components() == 1) volume.setComponentNames({header.name});
+  return volume;
+}
+
+/// One DICOM file, of one slice or several frames.
+hbVolume readDicomFile(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
+  hbItkImage image(Format::dicom, path);
+  const hbGeometry geometry = geometryOf(path, image, kLps);
+  requireRatio(path, bytesOf(geometry.samples(), image.components(), image.componentBytes()), fileSize(path),
+               kAnyRatio);
+  return decode(path, image, geometry, options, progress);
+}
+
+/// The files of the series that the options choose, or of the only one.
+std::vector<fs::path> chooseSeries(const fs::path& folder, const std::string& wanted) {
+  std::vector<hb::DicomSeries> series = hb::findDicomSeries(folder);
+  if (series.empty())
+    throw hbError(fmt::format("{}: expected a folder with DICOM slices, found none", folder.string()));
+  std::vector<std::string> uids;
+  for (const hb::DicomSeries& s : series) uids.push_back(s.uid);
+  if (!wanted.empty()) std::erase_if(series, [&](const hb::DicomSeries& s) { return !s.uid.starts_with(wanted); });
+  if (series.size() != 1)
+    throw hbError(fmt::format("{}: expected one DICOM series{}, found {}; choose one of {}", folder.string(),
+                              wanted.empty() ? "" : fmt::format(" that starts with '{}'", wanted), series.size(),
+                              fmt::join(uids, ", ")));
+  return series[0].files;
+}
+
+hbVolume readDicomFolder(const fs::path& folder, const hbReadOptions& options, hbProgress& progress) {
+  const std::vector<fs::path> files = chooseSeries(folder, options.series);
+  if (files.size() == 1) return readDicomFile(files[0], options, progress);
+
+  // The slices' positions, before anything large is read.
+  hbItkImage first(Format::dicom, files[0]);
+  hbGeometry geometry = geometryOf(files[0], first, kLps);
+  const std::uint64_t sliceBytes = bytesOf(geometry.samples(), first.components(), first.componentBytes());
+  const auto count = std::int64_t(files.size());
+  if (geometry.size.z != 1 || !first.type())
+    throw hbError(fmt::format("{}: expected one slice a file, of integers up to 32 bits or floats", files[0].string()));
+  const glm::dvec3 last = hbItkImage(Format::dicom, files.back()).origin();
+  const glm::dvec3 step = (last - geometry.origin) / double(count - 1);
+  if (!(glm::length(step) > 0.0))
+    throw hbError(fmt::format("{}: expected DICOM slices at different positions, found all at one", folder.string()));
+  geometry.size.z = count;
+  geometry.spacing.z = glm::length(step);
+  geometry.direction[2] = step / geometry.spacing.z;
+  geometry.validate(folder.string());
+
+  requireRatio(folder, bytesOf(count, 1, sliceBytes), totalSize(files), kAnyRatio);
+  const std::shared_ptr<std::byte> data = allocate(folder, bytesOf(count, 1, sliceBytes), options);
+  progress.begin("reading", count, "slices");
+  for (std::int64_t k = 0; k < count; ++k) {
+    const fs::path& file = files[std::size_t(k)];
+    hbItkImage slice(Format::dicom, file);
+    const hbGeometry g = geometryOf(file, slice, kLps);
+    if (g.size != hbSize3(geometry.size.x, geometry.size.y, 1) || slice.type() != first.type() ||
+        slice.components() != first.components())
+      throw hbError(fmt::format("{}: expected the size and type of the series' first slice, {} x {}, found {} x {}",
+                                file.string(), geometry.size.x, geometry.size.y, g.size.x, g.size.y));
+    // A hundredth of the spacing is more than scanners round, and far less than a missing slice.
+    const double off = glm::length(slice.origin() - geometry.origin - double(k) * step);
+    if (off > 0.01 * geometry.spacing.z)
+      throw hbError(
+          fmt::format("{}: expected evenly spaced DICOM slices, {} apart; this one is off by {} (one missing?)",
+                      file.string(), geometry.spacing.z, off));
+    slice.read(data.get() + std::uint64_t(k) * sliceBytes);
+    progress.advance(1);
+  }
+  return hbVolume(geometry, *first.type(), first.components(), data,
+                  hbVolume::Layout::packed(geometry.size, first.components()));
+}
+
+} // namespace
+
+hbVolume hb::readVolume(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (!fs::exists(status)) throw hbError(fmt::format("{}: expected a file or folder, found none", path.string()));
+  if (fs::is_directory(status)) return readDicomFolder(path, options, progress);
+  if (!fs::is_regular_file(status))
+    throw hbError(fmt::format("{}: expected a file or folder, found a device or pipe", path.string()));
+  if (options.raw) return openRawFile(path, *options.raw);
+
+  const std::string name = lowered(path.filename().string());
+  const auto is = [&](std::string_view extension) { return name.ends_with(extension); };
+  if (is(".nrrd") || is(".nhdr")) return readNrrd(path, options, progress);
+  if (is(".mha") || is(".mhd")) return readMetaImage(path, options, progress);
+  if (is(".nii") || is(".nii.gz")) return readNifti(path, is(".gz"), options, progress);
+  if (is(".tif") || is(".tiff")) return readTiff(path, options, progress);
+  if (is(".vtk")) return readVtk(path, options, progress);
+  if (is(".dcm")) return readDicomFile(path, options, progress);
+  if (is(".raw")) {
+    if (const auto layout = rawLayoutFromName(path)) return openRawFile(path, *layout);
+    throw hbError(fmt::format("{}: expected the size and type of the raw samples, in the name as in "
+                              "name_256x256x128_uint16.raw or as options",
+                              path.string()));
+  }
+  throw hbError(fmt::format("{}: expected a volume file, {}", path.string(), kFormats));
+}
