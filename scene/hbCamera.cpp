@@ -109,5 +109,10 @@ hbCamera hbCamera::framing(const hbGeometry& geometry, double azimuthDegrees, do
   camera.fieldOfView = 2.0 * glm::degrees(std::atan(slope / zoom));
   camera.height = 2.0 * halfHeight / zoom;
   camera.validate("camera");
+  // Beside large world coordinates the way to a small box is lost in rounding.
+  if (!(glm::distance(camera.position - camera.target, distance * back) <= 1e-3 * distance))
+    throw hbError(
+        fmt::format("camera: expected a volume large enough for its place, found ({}, {}, {}) seen from {} away",
+                    camera.target.x, camera.target.y, camera.target.z, distance));
   return camera;
 }

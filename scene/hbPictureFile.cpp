@@ -51,8 +51,8 @@ std::string oneLine(std::string_view text) {
 
 /// A whole file in memory.
 struct Bytes {
+  std::uint64_t size = 0; // before `data`, whose making sets it
   std::shared_ptr<const std::byte> data;
-  std::uint64_t size = 0;
   std::string name;
 
   explicit Bytes(const std::filesystem::path& path) : data(hb::mapFile(path, size)), name(path.string()) {}

@@ -186,7 +186,7 @@ void hbScene::validate(const std::string& what) const {
   within("width", width, 1, kMaxPictureSide);
   within("height", height, 1, kMaxPictureSide);
   within("component", component, 0, std::numeric_limits<int>::max());
-  within("samples", sampling.samples, 0, hbSampling::kMaxSamples);
+  within("sampling: samples", sampling.samples, 0, hbSampling::kMaxSamples);
   if (camera) camera->validate(what + ": camera");
   if (isoValue && !std::isfinite(*isoValue))
     throw hbError(fmt::format("{}: isoValue: expected a finite number, found {}", what, *isoValue));
