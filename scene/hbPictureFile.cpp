@@ -159,7 +159,7 @@ hbPicture readExrPart(Imf::MultiPartInputFile& file, const std::string& name) {
         picture.metadata[attribute.name()] = text->value();
 
   // Strip by strip, so that memory is taken only as the file proves to hold the rows it claims.
-  constexpr int kStripRows = 256;
+  constexpr int kStripRows = 64;
   Imf::InputPart part(file, 0);
   const std::size_t width = std::size_t(picture.width);
   std::vector<float> strip(names.size() * width * std::size_t(std::min(kStripRows, picture.height)));

@@ -17,6 +17,7 @@
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
 #include <ImfTiledOutputFile.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <half.h>
 #include <png.h>
@@ -163,7 +164,7 @@ TEST(hbPictureFile, RefusesExrFilesBeyondItsLimits) {
   const auto write = [&](const Imath::Box2i& window, int channels, int sampling) {
     Imf::Header header(window, window);
     for (int c = 0; c < channels; ++c)
-      header.channels().insert("c" + std::to_string(c), Imf::Channel(Imf::HALF, sampling, sampling));
+      header.channels().insert(fmt::format("c{}", c), Imf::Channel(Imf::HALF, sampling, sampling));
     header.compression() = Imf::NO_COMPRESSION;
     const Imf::OutputFile incomplete(path.c_str(), header); // header and table only: the limits come first
   };
