@@ -127,22 +127,18 @@ std::vector<double> inSubspaces(const hbIndexSet& part, const hbSize3& nodes, co
   return result;
 }
 
-} // namespace
-
-hbSparseGrid hbSparseGrid::fromComponentGrids(const Frame& frame, const hbIndexSet& set,
-                                              const std::vector<ComponentValues>& grids) {
-  std::vector<double> surpluses(std::size_t(set.storedValues()));
+/// The surpluses of one component of a combination solution.
+std::vector<double> combine(const hbIndexSet& set, const std::vector<hbSparseGrid::ComponentValues>& grids) {
+  std::vector<double> surpluses(static_cast<std::size_t>(set.storedValues()));
   for (const hbIndexSet::ComponentGrid& wanted : set.componentGrids()) {
-    const auto grid =
-        std::find_if(grids.begin(), grids.end(), [&](const auto& g) { return g.levels == wanted.levels; });
+    const glm::ivec3 l = wanted.levels;
+    const auto grid = std::find_if(grids.begin(), grids.end(), [&](const auto& g) { return g.levels == l; });
     if (grid == grids.end())
-      throw hbError(fmt::format("component grids: expected one of levels ({},{},{}), found none", wanted.levels.x,
-                                wanted.levels.y, wanted.levels.z));
+      throw hbError(fmt::format("component grids: expected one of levels ({},{},{}), found none", l.x, l.y, l.z));
     if (std::int64_t(grid->values.size()) != wanted.nodes.x * wanted.nodes.y * wanted.nodes.z)
-      throw hbError(fmt::format("component grid ({},{},{}): expected {} x {} x {} values, found {}", wanted.levels.x,
-                                wanted.levels.y, wanted.levels.z, wanted.nodes.x, wanted.nodes.y, wanted.nodes.z,
-                                grid->values.size()));
-    const hbIndexSet part = hbIndexSet::full({wanted.levels, set.flat()});
+      throw hbError(fmt::format("component grid ({},{},{}): expected {} x {} x {} values, found {}", l.x, l.y, l.z,
+                                wanted.nodes.x, wanted.nodes.y, wanted.nodes.z, grid->values.size()));
+    const hbIndexSet part = hbIndexSet::full({l, set.flat()});
     std::vector<double> values = inSubspaces(part, wanted.nodes, grid->values);
     hb::hierarchise(part, values);
     for (const hbSubspace& subspace : part.subspaces()) {
@@ -151,9 +147,16 @@ hbSparseGrid hbSparseGrid::fromComponentGrids(const Frame& frame, const hbIndexS
         surpluses[std::size_t(to + i)] += wanted.coefficient * values[std::size_t(subspace.offset + i)];
     }
   }
-  std::vector<std::vector<float>> components;
-  components.push_back(toFloats(surpluses));
-  return {frame, set, std::move(components)};
+  return surpluses;
+}
+
+} // namespace
+
+hbSparseGrid hbSparseGrid::fromComponentGrids(const Frame& frame, const hbIndexSet& set,
+                                              const std::vector<std::vector<ComponentValues>>& grids) {
+  std::vector<std::vector<float>> surpluses;
+  for (const std::vector<ComponentValues>& component : grids) surpluses.push_back(toFloats(combine(set, component)));
+  return fromSurpluses(frame, set, std::move(surpluses));
 }
 
 std::vector<double> hbSparseGrid::nodalValues(int component) const {

@@ -45,11 +45,11 @@ public:
     glm::ivec3 levels{0};
     std::vector<double> values;
   };
-  /// The sparse grid that a combination solution stands for, one component: surplus(k) = sum over l >= k of c_l times
-  /// the surplus of component grid l. `grids` must hold every grid of set.componentGrids(); others are ignored. Throws
-  /// hbError naming a missing grid or a wrong size.
+  /// The sparse grid that a combination solution stands for: surplus(k) = sum over l >= k of c_l times the surplus of
+  /// component grid l. One list of grids a component, each with every grid of set.componentGrids(); others are ignored.
+  /// Throws hbError naming a missing grid or a wrong size.
   static hbSparseGrid fromComponentGrids(const Frame& frame, const hbIndexSet& set,
-                                         const std::vector<ComponentValues>& grids);
+                                         const std::vector<std::vector<ComponentValues>>& grids);
 
   const hbIndexSet& indexSet() const { return set_; }
   const Frame& frame() const { return frame_; }

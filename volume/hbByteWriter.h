@@ -3,7 +3,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -25,7 +24,7 @@ public:
   void f64(double value) { put(value); }
 
   /// `count` zero bytes: reserved fields and padding.
-  void zeros(std::size_t count) { bytes_.resize(bytes_.size() + count); }
+  void zeros(std::size_t count);
 
   /// A u32 with the length in bytes, then the bytes; no terminating zero. Below 2^32 bytes.
   void string(std::string_view text) {
@@ -35,7 +34,7 @@ public:
 
   void floats(std::span<const float> values) { bytes(std::as_bytes(values)); }
   void doubles(std::span<const double> values) { bytes(std::as_bytes(values)); }
-  void bytes(std::span<const std::byte> values) { bytes_.insert(bytes_.end(), values.begin(), values.end()); }
+  void bytes(std::span<const std::byte> values);
 
   std::size_t size() const { return bytes_.size(); }
 

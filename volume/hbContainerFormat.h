@@ -19,7 +19,8 @@ struct hbChunkType {
   constexpr hbChunkType() = default;
   constexpr hbChunkType(const char (&text)[5]) : code{text[0], text[1], text[2], text[3]} {}
   std::string text() const { return {code.data(), code.size()}; }
-  auto operator<=>(const hbChunkType&) const = default;
+  // clang-tidy 14 takes the 0 inside a defaulted <=> for a pointer.
+  auto operator<=>(const hbChunkType&) const = default; // NOLINT(modernize-use-nullptr)
 };
 
 /// What names a chunk in its file; no two chunks have the same. Numbers that a type has no use for are 0.
@@ -28,8 +29,8 @@ struct hbChunkId {
   std::uint32_t dataset = 0;
   std::uint32_t step = 0;
   std::uint32_t component = 0;
-  std::uint64_t key = 0; ///< Meaning given by the type: a page, a node, a running number.
-  auto operator<=>(const hbChunkId&) const = default;
+  std::uint64_t key = 0;                              ///< Meaning given by the type: a page, a node, a running number.
+  auto operator<=>(const hbChunkId&) const = default; // NOLINT(modernize-use-nullptr)
 };
 
 /// Whether a reader that does not know a chunk's type may go on without it.

@@ -317,13 +317,13 @@ RC_GTEST_PROP(hbSparseGrid, ComponentGridsOfAnInterpolantGiveItBack, ()) {
           part.values.push_back(field->value({at(0, i), at(1, j), at(2, k)}));
     parts.push_back(std::move(part));
   }
-  const hbSparseGrid again = hbSparseGrid::fromComponentGrids(grid.frame(), set, parts);
+  const hbSparseGrid again = hbSparseGrid::fromComponentGrids(grid.frame(), set, {parts});
   // Sampled in 64 bits here and in floats there; coefficients sum to 1 with magnitudes that double rounding does not
   // see.
   for (const glm::dvec3 p : {glm::dvec3(0.1, 0.9, 0.4), glm::dvec3(0.77, 0.33, 0.6)})
     RC_ASSERT(std::abs(again.calcValue(p, 0) - grid.calcValue(p, 0)) <= directBound(grid) + 1e-6);
   parts.erase(parts.begin());
-  RC_ASSERT_THROWS_AS(hbSparseGrid::fromComponentGrids(grid.frame(), set, parts), hbError);
+  RC_ASSERT_THROWS_AS(hbSparseGrid::fromComponentGrids(grid.frame(), set, {parts}), hbError);
 }
 
 TEST(hbSparseGrid, NodalValuesComeBack) {

@@ -1,6 +1,7 @@
 // The file of format version 1.0 that every later reader must read: see tests/data/README.md.
 
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -52,9 +53,9 @@ hbProvenance goldenProvenance() { return {R"({"made by": "hbContainerGolden"})"}
 std::vector<std::byte> goldenArray() {
   std::vector<float> values(250);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = float(i * i) / 64.0F - 100.0F;
-  const auto view = std::as_bytes(std::span(values));
-  std::vector<std::byte> bytes(view.begin(), view.end());
-  bytes.insert(bytes.end(), {std::byte{1}, std::byte{2}, std::byte{3}});
+  std::vector<std::byte> bytes(values.size() * sizeof(float) + 3);
+  std::memcpy(bytes.data(), values.data(), values.size() * sizeof(float));
+  for (std::size_t i = 0; i < 3; ++i) bytes[bytes.size() - 3 + i] = std::byte(i + 1);
   return bytes;
 }
 

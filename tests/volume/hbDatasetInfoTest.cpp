@@ -105,7 +105,7 @@ TEST(hbDatasetInfo, DoesNotWriteWhatItWouldNotRead) {
   EXPECT_HB_ERROR(info.encode(), "dataset: expected 1 to 65535 components, found 0");
   info.componentNames.resize(65536);
   EXPECT_HB_ERROR(info.encode(), "dataset: expected 1 to 65535 components, found 65536");
-  info = {};
-  info.geometry.space.resize(256);
-  EXPECT_HB_ERROR(info.encode(), "dataset: expected a name of the space of at most 255 bytes, found 256");
+  hbDatasetInfo longSpace;
+  longSpace.geometry.space.resize(256);
+  EXPECT_HB_ERROR(longSpace.encode(), "dataset: expected a name of the space of at most 255 bytes, found 256");
 }

@@ -133,7 +133,8 @@ std::vector<std::byte> hb::decodeBytes(hbCodec codec, std::uint16_t version, con
   bool ended = false;
   for (auto piece = source(); !piece.empty(); piece = source()) {
     ZSTD_inBuffer in{piece.data(), piece.size(), 0};
-    bool drained = false; // all of the piece was taken and all it gives was received
+    // All of the piece was taken and, as zstd.h says, nothing waits inside unless the output was full.
+    bool drained = false;
     while (!drained) {
       if (ended)
         throw hbError(fmt::format("{}: expected nothing after the end of the zstd frame, found more bytes", what));

@@ -104,6 +104,21 @@ TEST(hbByteCodec, TheLayoutOfPlanesIsTheDocumentedOne) {
   EXPECT_EQ(decode(hbCodec::zstd, frame, 9), bytesFrom({10, 20, 11, 21, 12, 22, 13, 23, 99}));
 }
 
+TEST(hbByteCodec, FramesWithBlocksAcrossTheDecodingStepComeBack) {
+  // Six blocks of 100000 equal bytes: the last one crosses the step of 512 KiB, so that zstd still holds a part of it
+  // when all the packed bytes were taken.
+  auto frame = bytesFrom({0x28, 0xB5, 0x2F, 0xFD, 0x00, 0x50});
+  std::vector<std::byte> raw;
+  for (int block = 0; block < 6; ++block) {
+    const unsigned header = 100000U << 3U | 1U << 1U | (block == 5 ? 1U : 0U);
+    for (const unsigned shift : {0U, 8U, 16U}) frame.push_back(std::byte(header >> shift));
+    frame.push_back(std::byte(block));
+    raw.insert(raw.end(), 100000, std::byte(block));
+  }
+  EXPECT_EQ(decode(hbCodec::zstd, frame, raw.size()), raw);
+  EXPECT_HB_ERROR(decode(hbCodec::zstd, frame, raw.size() - 1), "bytes when unpacked, found more");
+}
+
 TEST(hbByteCodec, RefusesWindowsThatWouldTakeMuchMemory) {
   auto frame = bytesFrom({0x28, 0xB5, 0x2F, 0xFD, 0x00, 13 << 3, 1 << 3 | 1, 0, 0, 42}); // window 2^23
   EXPECT_EQ(decode(hbCodec::zstd, frame, 1), bytesFrom({42}));

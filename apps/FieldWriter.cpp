@@ -1,0 +1,56 @@
+#include "apps/FieldWriter.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "volume/hbVolumeStream.h"
+
+namespace {
+
+std::vector<double> coordinates(std::int64_t size) {
+  std::vector<double> list;
+  for (std::int64_t i = 0; i < size; ++i) list.push_back(size == 1 ? 0.5 : double(i) / double(size - 1));
+  return list;
+}
+
+/// One slab after the other: evaluated by all threads, a few rows each, then interleaved, mapped and written as
+/// `Sample`s.
+template <class Sample>
+void writeSamples(const hbField& field, const hbSize3& size, hbVolumeStream& stream, hbProgress& progress) {
+  const std::vector<double> xs = coordinates(size.x), ys = coordinates(size.y), zs = coordinates(size.z);
+  const hbValueMap map = field.valueMap();
+  const auto components = std::size_t(field.components());
+  constexpr std::int64_t kRows = 16; // a task's
+  const std::int64_t strips = (size.y + kRows - 1) / kRows;
+  std::vector<float> values(std::size_t(size.x * size.y));
+  std::vector<Sample> slab(values.size() * components);
+  progress.begin("writing", size.x * size.y * size.z, "samples");
+  for (const double& z : zs) {
+    for (std::size_t c = 0; c < components; ++c) {
+      tbb::parallel_for(std::int64_t{0}, strips, [&](std::int64_t strip) {
+        const std::int64_t y = strip * kRows, count = std::min(kRows, size.y - y);
+        field.lattice(xs, {ys.data() + y, std::size_t(count)}, {&z, 1}, int(c), values.data() + y * size.x,
+                      std::size_t(size.x), 0);
+        for (std::int64_t i = y * size.x; i < (y + count) * size.x; ++i)
+          slab[std::size_t(i) * components + c] = Sample(map.toTrue(values[std::size_t(i)]));
+      });
+    }
+    stream.write(std::as_bytes(std::span(slab)));
+    progress.advance(size.x * size.y);
+  }
+}
+
+} // namespace
+
+void app::writeField(const hbField& field, const hbGeometry& geometry, const std::filesystem::path& path,
+                     hbProgress& progress) {
+  const bool wide = !field.valueMap().isIdentity();
+  hbVolumeStream stream(path, geometry, wide ? hbSampleType::float64 : hbSampleType::float32, field.components());
+  if (wide)
+    writeSamples<double>(field, geometry.size, stream, progress);
+  else
+    writeSamples<float>(field, geometry.size, stream, progress);
+  stream.commit();
+}

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "raycast/hbInput.h"
+#include "volume/hbProgress.h"
+#include "volume/hbRawFile.h"
+
+namespace CLI {
+class App;
+}
+
+/// What all subcommands share: their common options, the progress bar, and the statistics file.
+namespace app {
+
+/// Options of every subcommand.
+struct CommonOptions {
+  int threads = 0;          ///< 0: one a core.
+  std::uint64_t memory = 0; ///< Bytes; 0: what the machine has.
+  std::string stats;        ///< Where to write the statistics; "": nowhere.
+  std::string command;      ///< The command line, for the records.
+
+  void addTo(CLI::App& subcommand);
+
+  /// The limit in bytes: `memory`, or the machine's physical memory.
+  std::uint64_t memoryLimit() const;
+  /// Throws hbError naming `what` when `bytes` would exceed the limit.
+  void checkMemory(std::uint64_t bytes, const std::string& what) const;
+  /// Writes the statistics (with version and command added) where they were asked for.
+  void writeStats(nlohmann::ordered_json stats) const;
+};
+
+/// Options of a subcommand that reads a volume.
+struct InputOptions {
+  std::string name;
+  std::string rawSize, rawType = "uint8", rawOrder = "little", rawAxes = "xyz", rawSpacing, rawInterleaving = "packed";
+  std::uint64_t rawOffset = 0;
+  int rawComponents = 1;
+  std::string series;
+  std::optional<double> nanValue;
+
+  /// Adds the options; `positional` is the name the input has in the help.
+  void addTo(CLI::App& command, const std::string& positional = "IN");
+  void addReadTo(CLI::App& command); ///< All but the positional one.
+  /// Opens `name`, or another file read the same way.
+  hbInput open(const CommonOptions& common, hbProgress& progress) const { return open(name, common, progress); }
+  hbInput open(const std::string& file, const CommonOptions& common, hbProgress& progress) const;
+};
+
+/// "AxBxC" with `count` positive numbers, or one number for all where `count` is 3; throws hbError naming `option`.
+std::vector<std::int64_t> parseSizes(const std::string& text, std::size_t count, const std::string& option);
+
+/// "a,b,c": finite numbers; throws hbError naming `option` unless there are `least` to `most`.
+std::vector<double> parseNumbers(const std::string& text, std::size_t least, std::size_t most,
+                                 const std::string& option);
+
+/// "12.3 MB": powers of 1024.
+std::string bytesText(double bytes);
+
+/// JSON has no infinity and no NaN: they become null.
+nlohmann::ordered_json finiteOrNull(double value);
+
+/// The progress bar on stderr when it is a terminal, otherwise one that shows nothing; Ctrl-C cancels it.
+hbProgress& progress();
+
+/// Makes Ctrl-C cancel progress(), and end the process within a second in any case, leaving no temporary file.
+void handleInterrupts();
+
+} // namespace app
+
+/// Each adds one subcommand to the program; the subcommand's callback does the work.
+void addInfo(CLI::App& program, app::CommonOptions& common);
+void addGenerate(CLI::App& program, app::CommonOptions& common);
+void addCompress(CLI::App& program, app::CommonOptions& common);
+void addExtract(CLI::App& program, app::CommonOptions& common);
+void addRender(CLI::App& program, app::CommonOptions& common);
+void addProbe(CLI::App& program, app::CommonOptions& common);
+void addDiff(CLI::App& program, app::CommonOptions& common);

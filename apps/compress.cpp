@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/Program.h"
+#include "report/hbSparseCompression.h"
+#include "sparsegrid/hbComponentFiles.h"
+#include "volume/hbError.h"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Measure = hbSparseCompression::Measure;
+
+struct Options {
+  app::InputOptions input;
+  std::vector<std::string> files; ///< IN OUT, or OUT alone with --components
+  std::string components;
+  hbSparseCompression how;
+};
+
+void checkNames(const Options& options) {
+  if (options.components.empty() && options.files.size() != 2)
+    throw CLI::ValidationError("compress", "expected IN and OUT.hbv");
+  if (!options.components.empty() && options.files.size() != 1)
+    throw CLI::ValidationError("--components", "expected OUT.hbv alone beside it");
+  if (!options.files.back().ends_with(".hbv"))
+    throw hbError(fmt::format("{}: expected a name that ends with .hbv", options.files.back()));
+}
+
+Json statistics(const hbSparseGridFile& file, std::uint64_t inputBytes, std::uint64_t outputBytes) {
+  const hbSparseGrid& grid = file.grid;
+  const std::int64_t samples = grid.geometry().samples();
+  Json stats{{"representation", "sparse"},
+             {"level", grid.indexSet().number()},
+             {"input_bytes", inputBytes},
+             {"output_bytes", outputBytes},
+             {"samples", samples},
+             {"components", grid.components()},
+             {"stored_values", grid.indexSet().storedValues()},
+             {"bits_per_sample", 8.0 * double(outputBytes) / double(samples * grid.components())},
+             {"psnr", nullptr},
+             {"rmse", nullptr},
+             {"max_error", nullptr},
+             {"max_error_bound", nullptr}};
+  if (!file.error) return stats;
+  // The worst component speaks for the file; `info --json` has them all.
+  const auto& all = file.error->components;
+  const auto worst =
+      std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.psnr < b.psnr; });
+  stats["psnr"] = app::finiteOrNull(worst->psnr);
+  stats["rmse"] = app::finiteOrNull(worst->rmse);
+  stats["max_error"] = app::finiteOrNull(worst->max);
+  return stats;
+}
+
+void print(const std::string& out, const Json& stats, const hbSparseGridFile& file) {
+  fmt::print("{}: level {}, {} stored values for {} samples, {}, {:.4g} bits a sample\n", out,
+             file.grid.indexSet().number(), file.grid.indexSet().storedValues(), file.grid.geometry().samples(),
+             app::bytesText(stats["output_bytes"].get<double>()), stats["bits_per_sample"].get<double>());
+  constexpr const char* kReferences[] = {"samples", "random samples", "random points of the field"};
+  if (file.error)
+    for (const auto& c : file.error->components)
+      fmt::print("error against {} {}: max {:.6g}, RMSE {:.6g}, PSNR {:.2f} dB\n", c.points,
+                 kReferences[std::size_t(c.reference)], c.max, c.rmse, c.psnr);
+}
+
+void run(Options& options, const app::CommonOptions& common) {
+  checkNames(options);
+  const std::string out = options.files.back();
+  const auto start = std::chrono::steady_clock::now();
+  hbInput input;
+  options.how.nonFinite = options.input.nanValue;
+  options.how.memoryLimit = common.memoryLimit();
+  const auto build = [&]() -> hbSparseGridFile {
+    if (options.components.empty()) {
+      input = options.input.open(options.files.front(), common, app::progress());
+      return options.how.compress(input, app::progress());
+    }
+    input.name = options.components;
+    hbReadOptions read;
+    read.memoryLimit = common.memoryLimit();
+    return {hb::readComponentGrids(options.components, read, app::progress()), {}, {}, {}, {}};
+  };
+  hbSparseGridFile file = build();
+  Json provenance{{"program", "hbvol " HBVOL_VERSION},
+                  {"source", std::filesystem::path(input.name).filename().string()}};
+  if (input.analytic) provenance["field"] = input.analytic->specification();
+  file.provenance.json = provenance.dump(-1, ' ', true, Json::error_handler_t::replace);
+  file.write(out);
+
+  Json stats = statistics(file, input.fileBytes, std::filesystem::file_size(out));
+  stats["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  print(out, stats, file);
+  common.writeStats(stats);
+}
+
+} // namespace
+
+void addCompress(CLI::App& program, app::CommonOptions& common) {
+  auto options = std::make_shared<Options>();
+  hbSparseCompression& how = options->how;
+  CLI::App* command = program.add_subcommand("compress", "Turns a volume or field into a sparse grid");
+  command
+      ->add_option("FILES", options->files,
+                   "IN OUT.hbv; IN is a volume file, a folder of DICOM slices or field:NAME[,...]")
+      ->required()
+      ->type_name("");
+  command->add_option("--level", how.level, "Level of the grid (default: the one that resolves the longest axis)")
+      ->check(CLI::Range(1, hbIndexSet::kMaxLevel));
+  command->add_flag("--uncapped", how.uncapped,
+                    "Let axes go finer than the samples, as the paper's grids do (analytic fields always)");
+  const std::map<std::string, hbLatticeMapping> mappings{{"fitted", hbLatticeMapping::fitted},
+                                                         {"aligned", hbLatticeMapping::aligned}};
+  command
+      ->add_option("--mapping", how.mapping,
+                   "fitted (default): the grid's cube is the volume's; aligned: grid nodes are samples")
+      ->transform(CLI::CheckedTransformer(mappings));
+  const std::map<std::string, bool> sets{{"regular", false}, {"full", true}};
+  command
+      ->add_option(
+          "--index-set", how.fullSet,
+          "regular (default): the sparse grid; full: every subspace, which with --mapping aligned keeps every sample")
+      ->transform(CLI::CheckedTransformer(sets));
+  command
+      ->add_option("--components", options->components,
+                   "Build from a solver's component grids: 'u_{i}_{j}_{k}.nrrd' (quoted), then OUT.hbv alone")
+      ->type_name("PATTERN");
+  const std::map<std::string, Measure> measures{
+      {"auto", Measure::automatic}, {"all", Measure::all}, {"sampled", Measure::sampled}, {"none", Measure::none}};
+  command
+      ->add_option("--measure", how.measure,
+                   "Errors against all samples, 2^20 random ones, or none; auto (default): all up to 2^26")
+      ->transform(CLI::CheckedTransformer(measures));
+  options->input.addReadTo(*command);
+  command->callback([options, &common] { run(*options, common); });
+}

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/Program.h"
+#include "report/hbFieldDifference.h"
+#include "report/hbPictureDifference.h"
+#include "report/hbValueDifference.h"
+#include "volume/hbError.h"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  app::InputOptions a;
+  std::string b;
+  bool json = false;
+  int component = 0;
+  std::int64_t points = std::int64_t{1} << 20;
+  std::vector<std::string> failAbove;
+};
+
+bool isPicture(const std::string& name) { return name.ends_with(".exr") || name.ends_with(".png"); }
+
+Json optionalJson(const std::optional<double>& value) { return value ? app::finiteOrNull(*value) : Json(); }
+
+Json pictures(const Options& options) {
+  const hbPictureDifference d = hb::pictureFileDifference(options.a.name, options.b);
+  return {{"kind", "pictures"},           {"max", app::finiteOrNull(d.max)}, {"rmse", app::finiteOrNull(d.rmse)},
+          {"psnr", optionalJson(d.psnr)}, {"ssim", optionalJson(d.ssim)},    {"luv_mean", d.luvMean},
+          {"luv_max", d.luvMax}};
+}
+
+/// A is the reference: a volume is compared at all its samples, anything else at random points of the cube.
+Json volumes(const Options& options, const app::CommonOptions& common) {
+  const hbInput a = options.a.open(common, app::progress());
+  const hbInput b = options.a.open(options.b, common, app::progress());
+  if (options.component >= std::min(a.components(), b.components()))
+    throw hbError(fmt::format("--component: expected 0 to {}, found {}", std::min(a.components(), b.components()) - 1,
+                              options.component));
+  const bool sameSize = a.geometry().size == b.geometry().size;
+  hbErrorStatistics errors;
+  std::string against = "all samples";
+  if (a.volume && b.volume)
+    errors = hb::volumeDifference(*a.volume, *b.volume, options.component, app::progress());
+  else if (a.volume && sameSize)
+    errors = hb::fieldVolumeDifference(*a.volume, *b.field(hbEngine::automatic), options.component, options.a.nanValue,
+                                       app::progress());
+  else {
+    errors = hb::fieldDifference(*a.field(hbEngine::automatic, options.a.nanValue),
+                                 *b.field(hbEngine::automatic, options.a.nanValue), options.component, options.points,
+                                 false, app::progress());
+    against = "random points";
+  }
+  return {{"kind", "volumes"},
+          {"max", app::finiteOrNull(errors.max)},
+          {"rmse", app::finiteOrNull(errors.rmse())},
+          {"psnr", optionalJson(errors.psnr())},
+          {"ssim", nullptr},
+          {"luv_mean", nullptr},
+          {"luv_max", nullptr},
+          {"count", errors.count},
+          {"against", against}};
+}
+
+/// One line for each METRIC=VALUE that is exceeded; throws hbError for what is no such pair.
+std::vector<std::string> exceeded(const Options& options, const Json& result) {
+  std::vector<std::string> lines;
+  for (const std::string& item : options.failAbove) {
+    const std::size_t equals = item.find('=');
+    const std::string metric = item.substr(0, equals);
+    if (equals == std::string::npos || !result.contains(metric) || metric == "kind" || metric == "against")
+      throw hbError(fmt::format(
+          "--fail-above: expected METRIC=VALUE with max, rmse, psnr, ssim, luv_mean or luv_max, found '{}'", item));
+    const double limit = app::parseNumbers(item.substr(equals + 1), 1, 1, "--fail-above").front();
+    // null stands for infinity: of an error it is above any limit; of psnr it says that nothing differs.
+    const bool infinite = result[metric].is_null() && (metric == "max" || metric == "rmse");
+    if (infinite || (!result[metric].is_null() && result[metric].get<double>() > limit))
+      lines.push_back(fmt::format("{} is {}, above {}", metric, infinite ? "infinite" : result[metric].dump(), limit));
+  }
+  return lines;
+}
+
+void run(const Options& options, const app::CommonOptions& common) {
+  const Json result = isPicture(options.a.name) || isPicture(options.b) ? pictures(options) : volumes(options, common);
+  if (options.json)
+    fmt::print("{}\n", result.dump(2));
+  else
+    for (const auto& [key, value] : result.items())
+      if (!value.is_null())
+        fmt::print("{:<10}{}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+      else if (key == "psnr")
+        fmt::print("{:<10}{}\n", key, "none: nothing differs, or the reference has no range");
+  common.writeStats(result);
+  std::fflush(stdout);
+  if (const auto lines = exceeded(options, result); !lines.empty())
+    throw hbError(fmt::format("{}", fmt::join(lines, "; ")));
+}
+
+} // namespace
+
+void addDiff(CLI::App& program, app::CommonOptions& common) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand(
+      "diff", "Compares two pictures (.exr, .png), or two volumes in any form; A is the reference");
+  options->a.addTo(*command, "A");
+  command->add_option("B", options->b, "What to compare with it")->required()->type_name("");
+  command->add_flag("--json", options->json, "Print JSON");
+  command->add_option("--component", options->component, "Volumes: which component, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--points", options->points, "Random points, where A is no plain volume or sizes differ")
+      ->check(CLI::Range(1L, 1000000000L))
+      ->capture_default_str();
+  command->add_option("--fail-above", options->failAbove, "Exit with 1 if a metric is above a value: max=0.5")
+      ->type_name("METRIC=VALUE");
+  command->callback([options, &common] { run(*options, common); });
+}

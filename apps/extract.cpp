@@ -1,0 +1,54 @@
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/FieldWriter.h"
+#include "apps/Program.h"
+
+namespace {
+
+struct Options {
+  app::InputOptions input;
+  std::string out, size;
+};
+
+void run(const Options& options, const app::CommonOptions& common) {
+  const hbInput input = options.input.open(common, app::progress());
+  hbGeometry geometry = input.geometry();
+  if (!options.size.empty()) {
+    const auto sizes = app::parseSizes(options.size, 3, "--size");
+    const hbSize3 size(sizes[0], sizes[1], sizes[2]);
+    for (int d = 0; d < 3; ++d) {
+      // The box stays; an axis made flat keeps its middle.
+      const double edge = geometry.extent()[d];
+      if (geometry.isFlat(d)) geometry.origin -= 0.5 * edge * geometry.direction[d];
+      geometry.size[d] = size[d];
+      geometry.spacing[d] = size[d] == 1 ? edge : edge / double(size[d] - 1);
+      if (size[d] == 1) geometry.origin += 0.5 * edge * geometry.direction[d];
+    }
+  }
+  const auto start = std::chrono::steady_clock::now();
+  app::writeField(*input.field(hbEngine::automatic, options.input.nanValue), geometry, options.out, app::progress());
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  fmt::print("{}: {} x {} x {} samples in {:.2f} s\n", options.out, geometry.size.x, geometry.size.y, geometry.size.z,
+             seconds);
+  common.writeStats({{"samples", geometry.samples()}, {"seconds", seconds}});
+}
+
+} // namespace
+
+void addExtract(CLI::App& program, app::CommonOptions& common) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      program.add_subcommand("extract", "Writes a compressed volume (or anything else) back as a plain one");
+  options->input.addTo(*command);
+  command->add_option("OUT", options->out, "The volume to write: .nrrd, .vti, or .raw named as stem_XxYxZ_float32.raw")
+      ->required()
+      ->type_name("");
+  command->add_option("--size", options->size, "Samples an axis on the same box: N, or XxYxZ (default: the source's)");
+  command->callback([options, &common] { run(*options, common); });
+}

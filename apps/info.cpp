@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/Program.h"
+#include "raycast/hbSceneDefaults.h"
+#include "volume/hbContainerReader.h"
+#include "volume/hbError.h"
+#include "volume/hbHistogram.h"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  app::InputOptions input;
+  bool json = false, verify = false, histogram = false, uncapped = false;
+  int level = 0;
+};
+
+/// Statistics read every sample: up to this many they are shown unasked, beyond only with --histogram.
+constexpr std::int64_t kStatisticsUnasked = std::int64_t{1} << 27;
+
+Json geometryJson(const hbGeometry& g) {
+  const auto list = [](const auto& v) { return Json{v.x, v.y, v.z}; };
+  return {{"origin", list(g.origin)},
+          {"spacing", list(g.spacing)},
+          {"direction", {list(g.direction[0]), list(g.direction[1]), list(g.direction[2])}},
+          {"extent", list(g.extent())},
+          {"centring", g.centring == hbGeometry::Centring::cell ? "cell" : "node"},
+          {"space", g.space}};
+}
+
+void addIndexSet(Json& info, const hbIndexSet& set, const hbGeometry& geometry, int components) {
+  info["level"] = set.number();
+  info["finest_levels"] = {set.finest().x, set.finest().y, set.finest().z};
+  info["subspaces"] = set.subspaces().size();
+  info["stored_values"] = set.storedValues();
+  info["component_grids"] = set.componentGrids().size();
+  info["combination_values"] = set.combinationValues();
+  info["padded_texels"] = set.paddedTexels();
+  info["value_bytes"] = set.storedValues() * components * std::int64_t(sizeof(float));
+  info["samples_per_stored_value"] = double(geometry.samples()) / double(set.storedValues());
+}
+
+Json histogramJson(const hbHistogram& h) {
+  return {{"count", h.count},
+          {"nans", h.nans},
+          {"infinities", h.infinities},
+          {"min", app::finiteOrNull(h.min)},
+          {"max", app::finiteOrNull(h.max)},
+          {"mean", app::finiteOrNull(h.mean)},
+          {"deviation", app::finiteOrNull(h.deviation)},
+          {"otsu_threshold", app::finiteOrNull(h.otsuThreshold())},
+          {"percentiles",
+           {{"1", app::finiteOrNull(h.percentile(0.01))},
+            {"50", app::finiteOrNull(h.percentile(0.5))},
+            {"99", app::finiteOrNull(h.percentile(0.99))}}},
+          {"bins", h.bins}};
+}
+
+Json describe(const Options& options, const app::CommonOptions& common) {
+  const hbInput input = options.input.open(common, app::progress());
+  Json info{{"name", input.name}, {"representation", input.representation()}, {"level", nullptr}};
+  const hbSize3 size = input.geometry().size;
+  info["dims"] = {size.x, size.y, size.z};
+  info["samples"] = input.geometry().samples();
+  info["components"] = input.components();
+  info["file_bytes"] = input.fileBytes;
+  info["format_version"] = nullptr;
+  info["stored_values"] = input.geometry().samples();
+  info["component_grids"] = nullptr;
+  std::vector<hbHistogram> histograms;
+  if (input.volume) {
+    const hbVolume& volume = *input.volume;
+    info["type"] = hb::sampleTypeName(volume.type());
+    info["slope"] = volume.slope();
+    info["intercept"] = volume.intercept();
+    info["component_names"] = volume.componentNames();
+    if (options.histogram || volume.geometry().samples() * volume.components() <= kStatisticsUnasked)
+      histograms = hb::calcHistograms(volume, 64, app::progress());
+  } else if (input.sparse) {
+    const hbSparseGridFile& file = *input.sparse;
+    addIndexSet(info, file.grid.indexSet(), file.grid.geometry(), file.grid.components());
+    info["mapping"] = file.info.mapping == hbLatticeMapping::aligned ? "aligned" : "fitted";
+    info["type"] = hb::sampleTypeName(file.info.sampleType);
+    info["component_names"] = file.info.componentNames;
+    const hbContainerReader reader(input.name, hbSparseGridFile::chunkTypes(), common.memoryLimit());
+    info["format_version"] = fmt::format("{}.{}", hb::kContainerMajor, reader.header().minor);
+    info["bits_per_sample"] = 8.0 * double(input.fileBytes) / double(input.geometry().samples() * input.components());
+    if (file.range)
+      for (const auto& c : file.range->components)
+        info["source_range"].push_back({app::finiteOrNull(c.lo), app::finiteOrNull(c.hi)});
+    constexpr const char* kReferences[] = {"all samples", "random samples", "random points of the analytic field"};
+    if (file.error)
+      for (const auto& c : file.error->components)
+        info["errors"].push_back({{"against", kReferences[std::size_t(c.reference)]},
+                                  {"kind", c.kind == hbErrorRecord::Kind::measured ? "measured" : "guaranteed"},
+                                  {"points", c.points},
+                                  {"max", app::finiteOrNull(c.max)},
+                                  {"rmse", app::finiteOrNull(c.rmse)},
+                                  {"psnr", app::finiteOrNull(c.psnr)}});
+    info["provenance"] = Json::parse(file.provenance.json);
+    if (options.verify) {
+      reader.verify(app::progress());
+      info["verified"] = true;
+    }
+  } else {
+    info["specification"] = input.analytic->specification();
+  }
+  if (options.verify && !input.sparse) throw hbError(fmt::format("{}: --verify expects an .hbv file", input.name));
+  if (options.level != 0) {
+    if (input.sparse)
+      throw hbError(fmt::format("{}: --level says what a sparse grid would hold; this is one", input.name));
+    const bool capped = input.volume && !options.uncapped;
+    addIndexSet(
+        info, hbIndexSet::regular(options.level, capped ? hbIndexSet::axesOf(size) : hbIndexSet::uncappedAxesOf(size)),
+        input.geometry(), input.components());
+  }
+  if (options.histogram && !input.volume)
+    for (int c = 0; c < input.components(); ++c)
+      histograms.push_back(hb::fieldHistogram(*input.field(hbEngine::automatic), c, app::progress()));
+  for (const hbHistogram& h : histograms) info["statistics"].push_back(histogramJson(h));
+  info["geometry"] = geometryJson(input.geometry());
+  return info;
+}
+
+std::string shortText(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+  if (!value.is_array() && !value.is_object()) return value.dump();
+  std::string text;
+  for (const auto& [key, item] : value.items())
+    text += fmt::format("{}{}{}",
+                        text.empty()        ? ""
+                        : value.is_object() ? ", "
+                                            : " ",
+                        value.is_object() ? key + " " : "", shortText(item));
+  return text;
+}
+
+void printBars(const Json& statistics) {
+  const auto bins = statistics["bins"].get<std::vector<std::int64_t>>();
+  if (bins.empty() || statistics["min"].is_null()) return;
+  const double lo = statistics["min"], hi = statistics["max"];
+  const auto most = double(std::max<std::int64_t>(1, *std::max_element(bins.begin(), bins.end())));
+  constexpr double kWidth = 60.0;
+  for (std::size_t i = 0; i < bins.size(); ++i) // square roots, so that small bins show beside a dominant background
+    fmt::print("  {:>12.5g} {:>12} {}\n", lo + (hi - lo) * double(i) / double(bins.size()), bins[i],
+               std::string(std::size_t(std::ceil(kWidth * std::sqrt(double(bins[i]) / most))), '#'));
+}
+
+void printText(const Json& info, bool bars) {
+  for (const auto& [key, value] : info.items()) {
+    if (value.is_null() || key == "statistics" || (value.is_string() && value.get<std::string>().empty())) continue;
+    if (key == "dims")
+      fmt::print("{:<26}{} x {} x {}\n", key, value[0].get<std::int64_t>(), value[1].get<std::int64_t>(),
+                 value[2].get<std::int64_t>());
+    else if (value.is_object())
+      for (const auto& [inner, item] : value.items()) {
+        if (const std::string text = shortText(item); !text.empty()) fmt::print("{:<26}{}\n", inner, text);
+      }
+    else
+      fmt::print("{:<26}{}\n", key, shortText(value));
+  }
+  if (!info.contains("statistics")) return;
+  int component = 0;
+  for (const Json& s : info["statistics"]) {
+    fmt::print("component {}: {} values from {} to {}, mean {}, deviation {}, NaN {}, infinite {}\n", component++,
+               s["count"].dump(), shortText(s["min"]), shortText(s["max"]), shortText(s["mean"]),
+               shortText(s["deviation"]), s["nans"].dump(), s["infinities"].dump());
+    if (bars) printBars(s);
+  }
+}
+
+void run(const Options& options, const app::CommonOptions& common) {
+  const Json info = describe(options, common);
+  if (options.json)
+    fmt::print("{}\n", info.dump(2));
+  else
+    printText(info, options.histogram);
+  common.writeStats(info);
+}
+
+} // namespace
+
+void addInfo(CLI::App& program, app::CommonOptions& common) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("info", "Says what a file or field holds");
+  options->input.addTo(*command);
+  command->add_flag("--json", options->json, "Print JSON");
+  command->add_flag("--verify", options->verify, "Check every byte of an .hbv file");
+  command->add_flag("--histogram", options->histogram, "Show the histogram of the values (reads all of them)");
+  command
+      ->add_option("--level", options->level,
+                   "Also say what a sparse grid of this level would hold, without building it")
+      ->check(CLI::Range(1, hbIndexSet::kMaxLevel));
+  command->add_flag("--uncapped", options->uncapped,
+                    "With --level: do not stop at the level that resolves the samples");
+  command->callback([options, &common] { run(*options, common); });
+}

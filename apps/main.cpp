@@ -1,0 +1,76 @@
+// hbvol: compresses 3D scalar volumes, renders from the compressed form, and says what that costs and loses.
+
+#include <cstdio>
+#include <memory>
+#include <new>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
+
+#include "apps/Program.h"
+#include "volume/hbError.h"
+
+namespace {
+
+constexpr int kFailed = 1, kWrongUsage = 2;
+
+std::string commandLine(int count, char** arguments) {
+  std::string line = "hbvol";
+  for (int i = 1; i < count; ++i) line += fmt::format(" {}", arguments[i]);
+  return line;
+}
+
+int fail(const char* text) {
+  fmt::print(stderr, "hbvol: error: {}\n", text);
+  return kFailed;
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+  app::handleInterrupts();
+  app::CommonOptions common;
+  common.command = commandLine(count, arguments);
+
+  CLI::App program("Compresses 3D scalar volumes into sparse grids, renders X-ray, maximum-intensity and iso-surface\n"
+                   "pictures straight from them, and reports speed against error.",
+                   "hbvol");
+  program.set_version_flag("--version", "hbvol " HBVOL_VERSION);
+  program.require_subcommand(1);
+  program.footer("Examples:\n"
+                 "  hbvol info head.nii.gz --histogram\n"
+                 "  hbvol compress head.nii.gz head.hbv --level 8\n"
+                 "  hbvol render head.hbv head.png --mode mip --size 800x600\n"
+                 "  hbvol render field:hydrogen orbital.exr --mode iso --iso 5\n"
+                 "  hbvol diff full.exr sparse.exr --json\n"
+                 "Exit status: 0 done, 1 failed (one line on stderr), 2 wrong usage.");
+  for (const auto add : {addInfo, addGenerate, addCompress, addExtract, addRender, addProbe, addDiff})
+    add(program, common);
+  std::unique_ptr<oneapi::tbb::global_control> threads;
+  for (CLI::App* command : program.get_subcommands({})) {
+    common.addTo(*command);
+    command->parse_complete_callback([&] {
+      if (common.threads > 0)
+        threads = std::make_unique<oneapi::tbb::global_control>(oneapi::tbb::global_control::max_allowed_parallelism,
+                                                                common.threads);
+    });
+  }
+
+  try {
+    program.parse(count, arguments);
+    if (std::fflush(stdout) != 0) return fail("standard output: cannot be written");
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    const bool asked = error.get_exit_code() == 0; // --help, --version
+    if (!asked)
+      fmt::print(stderr, "hbvol: error: {} (see hbvol --help)\n", error.what());
+    else
+      program.exit(error);
+    return asked ? 0 : kWrongUsage;
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory");
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  }
+}

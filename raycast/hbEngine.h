@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+/// The ways to evaluate a field at any point.
+enum class hbEngine : std::uint8_t {
+  automatic,   ///< The best one for the input: full for volumes and analytic fields, direct for sparse grids.
+  full,        ///< Trilinear interpolation of a plain volume (an analytic field: its formula).
+  direct,      ///< A sparse grid's basis functions, subspace by subspace.
+  combination, ///< A sparse grid's component grids, each trilinear.
+};
+
+namespace hb {
+
+std::string_view engineName(hbEngine engine);
+
+/// The engine of that name ("auto" for automatic); throws hbError for another one.
+hbEngine engineFromName(std::string_view name);
+
+} // namespace hb

@@ -1,0 +1,75 @@
+#include "raycast/hbInput.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "sparsegrid/hbCombinationSparseGrid.h"
+#include "volume/hbContainerReader.h"
+#include "volume/hbError.h"
+#include "volume/hbVolumeField.h"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Whether a file is meant to be an `.hbv` file: by its name, or by what it begins with.
+bool isContainer(const fs::path& path) {
+  if (path.extension() == ".hbv") return true;
+  std::array<char, 4> start{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), start.size());
+  return file && std::equal(start.begin(), start.end(), hb::kContainerMagic.begin(),
+                            [](char a, std::uint8_t b) { return std::uint8_t(a) == b; });
+}
+
+} // namespace
+
+hbInput hbInput::open(const std::string& name, const hbReadOptions& options, hbProgress& progress) {
+  hbInput input;
+  input.name = name;
+  if (name.starts_with(kFieldPrefix)) {
+    input.analytic = hbAnalyticField::create(std::string_view(name).substr(kFieldPrefix.size()));
+    return input;
+  }
+  const fs::path path(name);
+  std::error_code none;
+  if (fs::is_regular_file(path, none)) input.fileBytes = fs::file_size(path, none);
+  if (!fs::is_directory(path, none) && isContainer(path)) {
+    const hbContainerReader reader(path, hbSparseGridFile::chunkTypes(), options.memoryLimit);
+    if (!hbSparseGridFile::isIn(reader))
+      throw hbError(fmt::format("{}: expected a sparse grid, found an .hbv file without one", name));
+    input.sparse = std::make_shared<const hbSparseGridFile>(hbSparseGridFile::read(reader));
+    return input;
+  }
+  input.volume = std::make_shared<const hbVolume>(hb::readVolume(path, options, progress));
+  return input;
+}
+
+std::string hbInput::representation() const { return volume ? "volume" : analytic ? "analytic" : "sparse"; }
+
+const hbGeometry& hbInput::geometry() const {
+  return volume ? volume->geometry() : analytic ? analytic->geometry() : sparse->grid.geometry();
+}
+
+int hbInput::components() const { return volume ? volume->components() : analytic ? 1 : sparse->grid.components(); }
+
+hbEngine hbInput::engine(hbEngine asked) const {
+  if (asked != hbEngine::automatic) return asked;
+  return sparse ? hbEngine::direct : hbEngine::full;
+}
+
+std::shared_ptr<const hbField> hbInput::field(hbEngine asked, std::optional<double> nonFinite) const {
+  const hbEngine chosen = engine(asked);
+  if ((chosen == hbEngine::full) == (sparse != nullptr))
+    throw hbError(fmt::format("{}: the engine {} cannot evaluate {}", name, hb::engineName(chosen),
+                              sparse ? "a sparse grid; expected direct or combination"
+                                     : "a plain volume; compress it first, or use the engine full"));
+  if (volume) return std::make_shared<const hbVolumeField>(*volume, volume->chooseValueMap(), nonFinite);
+  if (analytic) return analytic;
+  if (chosen == hbEngine::combination) return std::make_shared<const hbCombinationSparseGrid>(sparse->grid);
+  return {sparse, &sparse->grid};
+}

@@ -1,0 +1,27 @@
+#include "raycast/hbSceneDefaults.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <oneapi/tbb/parallel_for.h>
+
+hbHistogram hb::fieldHistogram(const hbField& field, int component, hbProgress& progress) {
+  constexpr std::int64_t kPoints = 64;
+  const auto coordinates = [&](int d) {
+    const std::int64_t count = std::min(kPoints, field.geometry().size[d]);
+    std::vector<double> list;
+    for (std::int64_t i = 0; i < count; ++i) list.push_back((double(i) + 0.5) / double(count));
+    return list;
+  };
+  const std::vector<double> xs = coordinates(0), ys = coordinates(1), zs = coordinates(2);
+  const std::size_t slice = xs.size() * ys.size();
+  std::vector<float> values(slice * zs.size());
+  progress.begin("sampling the histogram", std::int64_t(zs.size()), "slices");
+  const hbValueMap map = field.valueMap();
+  tbb::parallel_for(std::size_t{0}, zs.size(), [&](std::size_t k) {
+    field.lattice(xs, ys, {&zs[k], 1}, component, values.data() + k * slice, xs.size(), slice);
+    for (std::size_t i = k * slice; i < (k + 1) * slice; ++i) values[i] = float(map.toTrue(values[i]));
+    progress.advance(1);
+  });
+  return hb::calcHistogram(values);
+}

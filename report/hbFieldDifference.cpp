@@ -1,0 +1,85 @@
+#include "report/hbFieldDifference.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace {
+
+/// Runs part(i) for i < count on all threads and merges the outcomes in order.
+hbErrorStatistics inParts(std::int64_t count, const std::function<hbErrorStatistics(std::int64_t)>& part) {
+  std::vector<hbErrorStatistics> parts(static_cast<std::size_t>(count));
+  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) { parts[std::size_t(i)] = part(i); });
+  hbErrorStatistics sum;
+  for (const hbErrorStatistics& one : parts) sum.merge(one);
+  return sum;
+}
+
+} // namespace
+
+hbErrorStatistics hb::fieldVolumeDifference(const hbVolume& reference, const hbField& field, int component,
+                                            std::optional<double> nonFinite, hbProgress& progress) {
+  const hbSize3 size = reference.geometry().size;
+  assert(field.geometry().size == size);
+  const auto coordinates = [&](int d) {
+    std::vector<double> list;
+    for (std::int64_t i = 0; i < size[d]; ++i) list.push_back(size[d] == 1 ? 0.5 : double(i) / double(size[d] - 1));
+    return list;
+  };
+  const std::vector<double> xs = coordinates(0), ys = coordinates(1), zs = coordinates(2);
+  const hbValueMap map = field.valueMap();
+  // Slabs of some ten thousand samples: rows enough for a thread, memory little.
+  const std::int64_t rows = std::clamp<std::int64_t>(65536 / size.x, 1, size.y), slabs = (size.y + rows - 1) / rows;
+  progress.begin("measuring errors", size.z * slabs, "slabs");
+  return inParts(size.z * slabs, [&](std::int64_t part) {
+    const std::int64_t z = part / slabs, y0 = part % slabs * rows, count = std::min(rows, size.y - y0);
+    std::vector<float> found(std::size_t(size.x * count));
+    std::vector<double> truth(static_cast<std::size_t>(size.x));
+    field.lattice(xs, {ys.data() + y0, std::size_t(count)}, {zs.data() + z, 1}, component, found.data(),
+                  std::size_t(size.x), found.size());
+    hbErrorStatistics errors;
+    for (std::int64_t y = 0; y < count; ++y) {
+      reference.row(0, y0 + y, z, component, truth);
+      for (std::size_t x = 0; x < truth.size(); ++x) {
+        const double value = nonFinite && !std::isfinite(truth[x]) ? *nonFinite : truth[x];
+        errors.add(value, map.toTrue(found[x + std::size_t(y * size.x)]));
+      }
+    }
+    progress.advance(1);
+    return errors;
+  });
+}
+
+hbErrorStatistics hb::fieldDifference(const hbField& reference, const hbField& field, int component,
+                                      std::int64_t points, bool atSamples, hbProgress& progress) {
+  constexpr std::int64_t kPart = 8192;
+  const hbSize3 size = reference.geometry().size;
+  const hbValueMap map = field.valueMap(), referenceMap = reference.valueMap();
+  progress.begin("measuring errors", points, "points");
+  return inParts((points + kPart - 1) / kPart, [&](std::int64_t part) {
+    const std::size_t count = std::size_t(std::min(kPart, points - part * kPart));
+    std::mt19937_64 random{std::uint64_t(part)}; // its own for each part, so that threads do not matter
+    std::vector<float> x(count), y(count), z(count), truth(count), found(count);
+    const auto draw = [&](int d) {
+      const double unit = double(random() >> 11U) * 0x1p-53;
+      if (!atSamples || size[d] == 1) return float(unit);
+      return float(std::floor(unit * double(size[d])) / double(size[d] - 1));
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = draw(0);
+      y[i] = draw(1);
+      z[i] = draw(2);
+    }
+    reference.values({x, y, z}, component, truth);
+    field.values({x, y, z}, component, found);
+    hbErrorStatistics errors;
+    for (std::size_t i = 0; i < count; ++i) errors.add(referenceMap.toTrue(truth[i]), map.toTrue(found[i]));
+    progress.advance(std::int64_t(count));
+    return errors;
+  });
+}

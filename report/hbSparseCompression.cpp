@@ -1,0 +1,110 @@
+#include "report/hbSparseCompression.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+
+#include "report/hbFieldDifference.h"
+#include "volume/hbError.h"
+#include "volume/hbHistogram.h"
+
+namespace {
+
+/// An analytic field has no samples of its own: at a given level it stands for the full grid of that level.
+hbInput atLevel(hbInput input, int level) {
+  if (!input.analytic || level == 0) return input;
+  hbSize3 size = input.analytic->geometry().size;
+  for (int d = 0; d < 3; ++d)
+    if (size[d] > 2) size[d] = (std::int64_t{1} << level) + 1;
+  input.analytic = input.analytic->withSize(size);
+  return input;
+}
+
+bool mayScan(const hbInput& input) {
+  return input.volume && input.geometry().samples() <= hbSparseCompression::kMeasureAll / input.components();
+}
+
+} // namespace
+
+hbIndexSet hbSparseCompression::indexSet(const hbInput& input) const {
+  const hbSize3 size = input.geometry().size;
+  const hbIndexSet::Axes capped = hbIndexSet::axesOf(size);
+  const int finest = level > 0 ? level : std::max({1, capped.maxLevel.x, capped.maxLevel.y, capped.maxLevel.z});
+  const bool free = uncapped || (input.analytic && level > 0);
+  const hbIndexSet::Axes axes = free ? hbIndexSet::uncappedAxesOf(size) : capped;
+  if (!fullSet) return hbIndexSet::regular(finest, axes);
+  return hbIndexSet::full({glm::min(axes.maxLevel, glm::ivec3(finest)), axes.flat});
+}
+
+hbRangeRecord hbSparseCompression::rangeOf(const hbInput& input, hbProgress& progress) const {
+  hbRangeRecord record;
+  for (const hbHistogram& h : hb::calcHistograms(*input.volume, 1, progress)) {
+    const bool replaced = h.nans + h.infinities > 0;
+    if (replaced && !nonFinite)
+      throw hbError(
+          fmt::format("{}: expected finite samples, found {} NaN and {} infinite ones; --nan-value V replaces them",
+                      input.name, h.nans, h.infinities));
+    // fmin and fmax leave out the NaN that a histogram without finite values has.
+    record.components.push_back(
+        {replaced ? std::fmin(h.min, *nonFinite) : h.min, replaced ? std::fmax(h.max, *nonFinite) : h.max});
+  }
+  return record;
+}
+
+hbErrorRecord hbSparseCompression::errorsOf(const hbInput& input, const hbField& source, const hbSparseGrid& grid,
+                                            hbProgress& progress) const {
+  using Reference = hbErrorRecord::Reference;
+  const bool all = input.volume && (measure == Measure::all || (measure == Measure::automatic && mayScan(input)));
+  hbErrorRecord record;
+  for (int c = 0; c < grid.components(); ++c) {
+    const hbErrorStatistics errors =
+        all ? hb::fieldVolumeDifference(*input.volume, grid, c, nonFinite, progress)
+            : hb::fieldDifference(source, grid, c, kRandomPoints, input.volume != nullptr, progress);
+    if (!std::isfinite(errors.max))
+      throw hbError(fmt::format("{}: expected finite samples, found NaN or infinite ones; --nan-value V replaces them",
+                                input.name));
+    const double same = std::numeric_limits<double>::infinity(), unknown = std::numeric_limits<double>::quiet_NaN();
+    record.components.push_back({all            ? Reference::allSamples
+                                 : input.volume ? Reference::randomSamples
+                                                : Reference::analyticField,
+                                 hbErrorRecord::Kind::measured, std::uint64_t(errors.count), errors.max, errors.rmse(),
+                                 errors.psnr().value_or(errors.max == 0.0 ? same : unknown)});
+  }
+  return record;
+}
+
+hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgress& progress) const {
+  if (original.sparse)
+    throw hbError(fmt::format("{}: expected a volume or a field, found a sparse grid", original.name));
+  const hbInput input = atLevel(original, level);
+  const hbIndexSet set = indexSet(input);
+  // 8 bytes a node while hierarchising, 4 a component for the surpluses, and as much again while they are packed.
+  const double need = double(set.storedValues()) * (12.0 + 8.0 * input.components());
+  if (need > double(memoryLimit))
+    throw hbError(fmt::format("{}: level {} needs about {:.0f} MB, more than the memory limit of {:.0f} MB", input.name,
+                              set.number(), need / 0x1p20, double(memoryLimit) / 0x1p20));
+  std::optional<hbRangeRecord> range;
+  if (mayScan(input)) range = rangeOf(input, progress);
+
+  const auto source = input.field(hbEngine::full, nonFinite);
+  const auto interpolate = [&] {
+    try {
+      return hbSparseGrid::interpolate(*source, set, mapping, progress);
+    } catch (const hbCancelled&) {
+      throw;
+    } catch (const hbError& error) {
+      throw hbError(fmt::format("{}: {}", input.name, error.what()));
+    }
+  };
+  hbSparseGridFile file{interpolate(), {}, std::move(range), {}, {}};
+  if (input.volume) {
+    file.info.sampleType = input.volume->type();
+    file.info.slope = input.volume->slope();
+    file.info.intercept = input.volume->intercept();
+    file.info.componentNames = input.volume->componentNames();
+  }
+  if (measure != Measure::none) file.error = errorsOf(input, *source, file.grid, progress);
+  return file;
+}

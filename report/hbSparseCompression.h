@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "raycast/hbInput.h"
+#include "sparsegrid/hbSparseGridFile.h"
+#include "volume/hbProgress.h"
+
+/// How an input becomes a sparse grid, and what is said about the loss.
+struct hbSparseCompression {
+  enum class Measure : std::uint8_t {
+    automatic, ///< All samples up to kMeasureAll, otherwise sampled.
+    all,       ///< Every sample (analytic fields have none: sampled).
+    sampled,   ///< kRandomPoints samples (of an analytic field: points), the same ones every time.
+    none
+  };
+  static constexpr std::int64_t kMeasureAll = std::int64_t{1} << 26;
+  static constexpr std::int64_t kRandomPoints = std::int64_t{1} << 20;
+
+  int level = 0; ///< Of the regular set, or the most an axis of a full one has; 0: what resolves the longest axis.
+  /// Axes may go finer than the samples. An analytic field given a level always does: it then stands for the full grid
+  /// of 2^level + 1 nodes an axis.
+  bool uncapped = false;
+  bool fullSet = false; ///< Every subspace instead of the regular sparse set.
+  hbLatticeMapping mapping = hbLatticeMapping::fitted;
+  Measure measure = Measure::automatic;
+  std::optional<double> nonFinite; ///< What NaN and infinite samples count as; none: they are refused.
+  std::uint64_t memoryLimit = std::numeric_limits<std::uint64_t>::max(); ///< Bytes.
+
+  /// The index set for that input.
+  hbIndexSet indexSet(const hbInput& input) const;
+
+  /// Interpolates and measures. Volumes of up to kMeasureAll samples are scanned for their range and for samples that
+  /// are not finite; of larger ones only the nodes, and what measuring looks at, are read. Throws hbError for a sparse
+  /// grid as input, samples that are not finite, and where the estimate of memory exceeds the limit.
+  hbSparseGridFile compress(const hbInput& input, hbProgress& progress = hbProgress::none()) const;
+
+private:
+  hbRangeRecord rangeOf(const hbInput& input, hbProgress& progress) const;
+  hbErrorRecord errorsOf(const hbInput& input, const hbField& source, const hbSparseGrid& grid,
+                         hbProgress& progress) const;
+};
