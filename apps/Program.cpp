@@ -18,7 +18,7 @@ void CommonOptions::addTo(CLI::App& subcommand) {
   subcommand.add_option("--threads", threads, "Threads to use (default: one a core)")
       ->check(CLI::Range(1, 1024))
       ->group("Common");
-  command
+  subcommand
       .add_option("--memory", memory, "Memory limit, as in 500MB or 2GB (powers of 1024); checked before work starts")
       ->transform(CLI::AsSizeValue(false))
       ->group("Common");
