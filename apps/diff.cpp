@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +13,9 @@
 #include "report/hbFieldDifference.h"
 #include "report/hbPictureDifference.h"
 #include "report/hbValueDifference.h"
+#include "scene/hbDisplay.h"
+#include "scene/hbPictureFile.h"
+#include "scene/hbScene.h"
 #include "volume/hbError.h"
 
 namespace {
@@ -19,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   app::InputOptions a;
-  std::string b;
+  std::string b, out;
   bool json = false;
   int component = 0;
   std::int64_t points = std::int64_t{1} << 20;
@@ -29,6 +34,21 @@ struct Options {
 bool isPicture(const std::string& name) { return name.ends_with(".exr") || name.ends_with(".png"); }
 
 Json optionalJson(const std::optional<double>& value) { return value ? app::finiteOrNull(*value) : Json(); }
+
+/// A, B and their difference in one picture, floats through A's window.
+void writeSideBySide(const Options& options) {
+  const auto a = hb::readPicture(options.a.name), b = hb::readPicture(options.b);
+  const auto* floatsA = std::get_if<hbPicture>(&a);
+  const auto* floatsB = std::get_if<hbPicture>(&b);
+  if (floatsA == nullptr || floatsB == nullptr)
+    throw hbError(fmt::format("--out: expected two .exr pictures, found {} and {}", options.a.name, options.b));
+  const auto kept = floatsA->metadata.find(hbPicture::kSceneKey);
+  const hbScene scene = kept == floatsA->metadata.end() ? hbScene() : hb::sceneFromJson(kept->second, options.a.name);
+  const auto window = hb::displayWindow(*floatsA, scene);
+  const std::array images{hb::displayImage(*floatsA, scene, window), hb::displayImage(*floatsB, scene, window),
+                          hb::absoluteDifferenceImage(*floatsA, *floatsB)};
+  hb::writePng(hb::sideBySide(images), options.out);
+}
 
 Json pictures(const Options& options) {
   const hbPictureDifference d = hb::pictureFileDifference(options.a.name, options.b);
@@ -98,6 +118,7 @@ void run(const Options& options, const app::CommonOptions& common) {
       else if (key == "psnr")
         fmt::print("{:<10}{}\n", key, "none: nothing differs, or the reference has no range");
   common.writeStats(result);
+  if (!options.out.empty()) writeSideBySide(options);
   std::fflush(stdout);
   if (const auto lines = exceeded(options, result); !lines.empty())
     throw hbError(fmt::format("{}", fmt::join(lines, "; ")));
@@ -118,6 +139,8 @@ void addDiff(CLI::App& program, app::CommonOptions& common) {
   command->add_option("--points", options->points, "Random points, where A is no plain volume or sizes differ")
       ->check(CLI::Range(1L, 1000000000L))
       ->capture_default_str();
+  command->add_option("--out", options->out, "Pictures: write A, B and their absolute difference side by side")
+      ->type_name("OUT.png");
   command->add_option("--fail-above", options->failAbove, "Exit with 1 if a metric is above a value: max=0.5")
       ->type_name("METRIC=VALUE");
   command->callback([options, &common] { run(*options, common); });

@@ -11,9 +11,9 @@
 
 #include "apps/MemoryMonitor.h"
 #include "apps/Program.h"
+#include "apps/SceneOptions.h"
 #include "raycast/hbRaycaster.h"
 #include "raycast/hbSceneDefaults.h"
-#include "scene/hbColormap.h"
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
 #include "volume/hbError.h"
@@ -25,59 +25,10 @@ using Clock = std::chrono::steady_clock;
 
 struct Options {
   app::InputOptions input;
-  std::string out, mode, engine = "auto", size, scene, saveScene, camera, projection, window, colormap, component,
-                         sampling;
-  std::optional<double> azimuth, elevation, zoom, iso;
-  int samples = 0, repeat = 1;
+  app::SceneOptions scene;
+  std::string out, engine = "auto", saveScene;
+  int repeat = 1;
 };
-
-/// The scene file, if any, with the options on top; what is still open afterwards is the renderer's default.
-hbScene sceneFor(const Options& options, const hbGeometry& geometry) {
-  hbScene scene = options.scene.empty() ? hbScene() : hb::loadScene(options.scene);
-  if (!options.mode.empty()) scene.mode = hb::modeFromName(options.mode);
-  if (!options.size.empty()) {
-    const auto sizes = app::parseSizes(options.size, 2, "--size");
-    scene.width = int(std::min<std::int64_t>(sizes[0], hbScene::kMaxPictureSide + 1));
-    scene.height = int(std::min<std::int64_t>(sizes[1], hbScene::kMaxPictureSide + 1));
-  }
-  if (!options.sampling.empty())
-    scene.sampling.kind = options.sampling == "planewise" ? hbSampling::Kind::planewise : hbSampling::Kind::equidistant;
-  if (options.samples > 0) scene.sampling.samples = options.samples;
-  if (options.iso) scene.isoValue = options.iso;
-  if (!options.window.empty()) {
-    const auto ends = app::parseNumbers(options.window, 2, 2, "--window");
-    scene.window = {ends[0], ends[1]};
-  }
-  if (!options.colormap.empty()) scene.colormap = hbColormap(options.colormap).name();
-  if (options.component == "magnitude")
-    scene.magnitude = true;
-  else if (!options.component.empty()) {
-    scene.component = int(app::parseNumbers(options.component, 1, 1, "--component").front());
-    scene.magnitude = false;
-  }
-
-  const auto projection =
-      options.projection == "orthographic" ? hbCamera::Projection::orthographic : hbCamera::Projection::perspective;
-  if (!options.camera.empty()) {
-    const auto n = app::parseNumbers(options.camera, 6, 9, "--camera");
-    if (n.size() != 6 && n.size() != 9)
-      throw hbError("--camera: expected 6 or 9 numbers: position, target, and perhaps up");
-    hbCamera camera;
-    camera.projection = projection;
-    camera.position = {n[0], n[1], n[2]};
-    camera.target = {n[3], n[4], n[5]};
-    if (n.size() == 9) camera.up = {n[6], n[7], n[8]};
-    camera.height =
-        hbCamera::framing(geometry, 0, 0, hbCamera::Projection::orthographic, double(scene.width) / scene.height)
-            .height;
-    scene.camera = camera;
-  } else if (!scene.camera || options.azimuth || options.elevation || options.zoom || !options.projection.empty()) {
-    scene.camera = hbCamera::framing(geometry, options.azimuth.value_or(hbCamera::kDefaultAzimuth),
-                                     options.elevation.value_or(hbCamera::kDefaultElevation), projection,
-                                     double(scene.width) / double(scene.height), options.zoom.value_or(1.0));
-  }
-  return scene;
-}
 
 void writePicture(const hbPicture& picture, const hbScene& scene, const std::string& path) {
   if (path.ends_with(".exr"))
@@ -111,8 +62,11 @@ void run(const Options& options, const app::CommonOptions& common) {
   std::shared_ptr<const hbField> field = input.field(engine, options.input.nanValue);
   const double secondsBuild = seconds(start);
 
-  hbScene scene = sceneFor(options, input.geometry());
-  if (scene.magnitude) field = std::make_shared<const hbMagnitudeField>(field);
+  hbScene scene = options.scene.scene(input.geometry());
+  if (scene.magnitude) {
+    field = std::make_shared<const hbMagnitudeField>(field);
+    scene.component = 0;
+  }
   if (scene.component >= field->components())
     throw hbError(
         fmt::format("--component: expected 0 to {} or magnitude, found {}", input.components() - 1, scene.component));
@@ -178,39 +132,18 @@ void addRender(CLI::App& program, app::CommonOptions& common) {
       ->add_option("OUT", options->out, "The picture: .exr (raw floats, all layers, the scene) or .png (as displayed)")
       ->required()
       ->type_name("");
-  const auto add = [&](const char* group, const char* flag, auto& value, const char* text) {
-    return command->add_option(flag, value, text)->group(group);
-  };
-  add("Picture", "--mode", options->mode, "xray (default): line integral; mip: greatest value; iso: surface")
-      ->check(CLI::IsMember({"xray", "mip", "iso"}));
-  add("Picture", "--size", options->size, "Pixels (default 512x512)")->type_name("WxH");
-  add("Picture", "--iso", options->iso, "Iso-value (default: Otsu's threshold of the histogram)");
-  add("Picture", "--component", options->component, "Which component, from 0, or magnitude")->type_name("C");
-  add("Picture", "--window", options->window,
-      "PNG: values shown as the colour map's ends (default: those of the picture)")
-      ->type_name("LO,HI");
-  add("Picture", "--colormap", options->colormap, "PNG: gray, inverse-gray, heat, cubehelix or coolwarm");
-  add("Camera", "--azimuth", options->azimuth,
-      "Degrees, counter-clockwise seen from above; 0 looks along +y (default 30)");
-  add("Camera", "--elevation", options->elevation, "Degrees above the horizon (default 20)")
-      ->check(CLI::Range(-90.0, 90.0));
-  add("Camera", "--zoom", options->zoom, "1 frames the whole volume (default)")->check(CLI::PositiveNumber);
-  add("Camera", "--projection", options->projection, "perspective (default) or orthographic")
-      ->check(CLI::IsMember({"perspective", "orthographic"}));
-  add("Camera", "--camera", options->camera, "World coordinates: position, target[, up]: 6 or 9 numbers")
-      ->type_name("X,Y,Z,...");
-  add("Camera", "--scene", options->scene, "Start from a scene file")->type_name("S.json");
-  add("Camera", "--save-scene", options->saveScene, "Save the scene as rendered")->type_name("S.json");
-  add("Rendering", "--engine", options->engine,
-      "auto, full (plain volumes and fields), direct or combination (sparse grids)")
+  options->scene.addTo(*command);
+  command->add_option("--save-scene", options->saveScene, "Save the scene as rendered")
+      ->group("Camera")
+      ->type_name("S.json");
+  command
+      ->add_option("--engine", options->engine,
+                   "auto, full (plain volumes and fields), direct or combination (sparse grids)")
+      ->group("Rendering")
       ->capture_default_str();
-  add("Rendering", "--samples", options->samples, "Samples over the depth of the volume (default: one a voxel)")
-      ->check(CLI::Range(1, hbSampling::kMaxSamples));
-  add("Rendering", "--sampling", options->sampling,
-      "equidistant (default) along each ray, or planewise across the view axis")
-      ->check(CLI::IsMember({"equidistant", "planewise"}));
-  add("Rendering", "--repeat", options->repeat, "Frames to time; the median is reported")
+  command->add_option("--repeat", options->repeat, "Frames to time; the median is reported")
       ->check(CLI::Range(1, 10000))
+      ->group("Rendering")
       ->capture_default_str();
   command->callback([options, &common] { run(*options, common); });
 }

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "scene/hbScene.h"
+
+namespace CLI {
+class App;
+}
+
+namespace app {
+
+/// The options of `render` that say what is looked at and how.
+struct SceneOptions {
+  std::string file, mode, size, camera, projection, window, colormap, component, sampling;
+  std::optional<double> azimuth, elevation, zoom, iso;
+  int samples = 0;
+
+  void addTo(CLI::App& subcommand);
+
+  /// The scene file, if any, with the options on top; the camera is chosen, an iso-value perhaps not. Throws hbError.
+  hbScene scene(const hbGeometry& geometry) const;
+};
+
+} // namespace app
