@@ -4,13 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <new>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
+#include <zlib.h>
 
+#include "volume/hbDicomHeader.h"
 #include "volume/hbError.h"
 #include "volume/hbHeaderText.h"
 #include "volume/hbItkImage.h"
@@ -249,35 +252,60 @@ hbVolume readMetaImage(const fs::path& path, const hbReadOptions& options, hbPro
   return mapped(file, offset, geometry, *image.type(), image.components(), layout);
 }
 
-hbVolume readNifti(const fs::path& path, bool compressed, const hbReadOptions& options, hbProgress& progress) {
-  hbItkImage image(Format::nifti, path);
-  const hbGeometry geometry = geometryOf(path, image, kLps);
-  const std::uint64_t size = fileSize(path);
-  if (compressed) {
-    requireRatio(path, bytesOf(geometry.samples(), image.components(), 1), size, kDeflateRatio);
-  } else {
-    // Bits a sample in the file, which differ from ITK's where a slope makes floats; and the place of the samples.
-    // https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h
-    constexpr std::size_t kHeader = 348, kDims = 40, kBits = 72, kOffset = 108;
-    std::uint64_t length = 0;
-    const std::shared_ptr<const std::byte> file = hb::mapFile(path, length);
-    requireFile(path, kHeader, length);
-    const bool swapped = hb::loadSample<std::int32_t, false>(file.get()) != std::int32_t(kHeader);
-    const auto int16 = [&](std::size_t at) {
-      return swapped ? hb::loadSample<std::int16_t, true>(file.get() + at)
-                     : hb::loadSample<std::int16_t, false>(file.get() + at);
-    };
-    const float start = swapped ? hb::loadSample<float, true>(file.get() + kOffset)
-                                : hb::loadSample<float, false>(file.get() + kOffset);
-    std::vector<std::int64_t> dims;
-    for (int d = 1; d <= std::clamp<int>(int16(kDims), 0, 7); ++d)
-      dims.push_back(std::max<std::int64_t>(1, int16(kDims + 2 * std::size_t(d))));
-    const std::int64_t samples = hb::productOf(dims).value_or(std::int64_t{1} << 60);
-    const auto offset = start >= 0.0F && start < 1e15F ? std::uint64_t(start) : std::uint64_t{0};
-    requireFile(path, bytesOf(samples, 1, std::size_t(std::max<int>(8, int16(kBits))) / 8),
-                length - std::min(length, offset));
+/// The whole of a gzip file is inflated once to learn its length, and that it is complete: niftilib takes what is
+/// missing for zeros. `start` receives the first bytes.
+std::uint64_t inflatedSize(const fs::path& path, std::vector<std::byte>& start) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
+  std::vector<std::byte> chunk(std::size_t{1} << 18);
+  const std::size_t wanted = start.size();
+  start.clear();
+  std::uint64_t size = 0;
+  int read = -1;
+  while (file && (read = gzread(file.get(), chunk.data(), unsigned(chunk.size()))) > 0) {
+    const std::size_t missing = std::min(wanted - start.size(), std::size_t(read));
+    start.insert(start.end(), chunk.begin(), chunk.begin() + std::ptrdiff_t(missing));
+    size += std::uint64_t(read);
   }
-  return decode(path, image, geometry, options, progress);
+  int status = Z_OK;
+  const char* reason = file ? gzerror(file.get(), &status) : "cannot be opened";
+  if (read < 0 || status < 0) throw hbError(fmt::format("{}: cannot be read: gzip: {}", path.string(), reason));
+  return size;
+}
+
+hbVolume readNifti(const fs::path& path, bool compressed, const hbReadOptions& options, hbProgress& progress) {
+  // What the file itself holds, as ITK's types differ where a slope makes floats.
+  // https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h
+  constexpr std::size_t kHeader = 348, kDims = 40, kBits = 72, kOffset = 108;
+  std::vector<std::byte> header(kHeader);
+  std::uint64_t size = 0;
+  if (compressed) {
+    size = inflatedSize(path, header);
+  } else {
+    const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
+    header.assign(file.get(), file.get() + std::min<std::uint64_t>(size, kHeader));
+  }
+  if (header.size() < kHeader)
+    throw hbError(fmt::format("{}: expected a NIfTI header of {} bytes, found {}", path.string(), kHeader, size));
+  const bool swapped = hb::loadSample<std::int32_t, false>(header.data()) != std::int32_t(kHeader);
+  const auto int16 = [&](std::size_t at) {
+    return swapped ? hb::loadSample<std::int16_t, true>(header.data() + at)
+                   : hb::loadSample<std::int16_t, false>(header.data() + at);
+  };
+  const float start = swapped ? hb::loadSample<float, true>(header.data() + kOffset)
+                              : hb::loadSample<float, false>(header.data() + kOffset);
+  std::vector<std::int64_t> dims;
+  for (int d = 1; d <= std::clamp<int>(int16(kDims), 1, 7); ++d) dims.push_back(int16(kDims + 2 * std::size_t(d)));
+  const std::optional<std::int64_t> samples = hb::productOf(dims);
+  if (!samples)
+    throw hbError(fmt::format("{}: expected at least one sample along each axis and fewer than 2^60 in all, found {}",
+                              path.string(), hb::sizesText(dims)));
+  if (!(start >= 0.0F && start < 0x1p62F))
+    throw hbError(fmt::format("{}: expected samples after the header, found them at byte {}", path.string(), start));
+  requireFile(path, bytesOf(*samples, 1, std::size_t(std::max<int>(8, int16(kBits))) / 8),
+              size - std::min(size, std::uint64_t(start)));
+
+  hbItkImage image(Format::nifti, path);
+  return decode(path, image, geometryOf(path, image, kLps), options, progress);
 }
 
 hbVolume readTiff(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
@@ -313,28 +341,67 @@ hbVolume readVtk(const fs::path& path, const hbReadOptions& options, hbProgress&
   return volume;
 }
 
-/// One DICOM file, of one slice or several frames.
-hbVolume readDicomFile(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
-  hbItkImage image(Format::dicom, path);
-  const hbGeometry geometry = geometryOf(path, image, kLps);
-  requireRatio(path, bytesOf(geometry.samples(), image.components(), image.componentBytes()), fileSize(path),
-               kAnyRatio);
-  return decode(path, image, geometry, options, progress);
+/// A DICOM file as ITK may see it: whole, and not far more than its bytes can hold.
+hbDicomHeader checkDicom(const fs::path& path) {
+  const hbDicomHeader header = hb::readDicomHeader(path);
+  requireRatio(path, header.decodedBytes(), header.pixelBytes, kAnyRatio);
+  return header;
 }
 
-/// The files of the series that the options choose, or of the only one.
+/// One DICOM file, of one slice or several frames.
+hbVolume readDicomFile(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
+  checkDicom(path);
+  hbItkImage image(Format::dicom, path);
+  return decode(path, image, geometryOf(path, image, kLps), options, progress);
+}
+
+/// A slice and where it lies along the normal of its series.
+struct Slice {
+  fs::path file;
+  double place = 0.0;
+};
+
+/// The slices of a folder (not of those inside it), by series: its UID, with the size and orientation of the slices,
+/// as series mix them.
+std::map<std::string, std::vector<Slice>> findSeries(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code failed;
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+    if (at->is_regular_file()) files.push_back(at->path());
+  if (failed) throw hbError(fmt::format("{}: cannot be read: {}", folder.string(), failed.message()));
+  std::sort(files.begin(), files.end());
+
+  std::map<std::string, std::vector<Slice>> series;
+  for (const fs::path& file : files) {
+    if (!hb::isDicom(file) || file.filename() == "DICOMDIR") continue;
+    const hbDicomHeader h = checkDicom(file);
+    const std::string name =
+        fmt::format("{} ({} x {}, rows ({:.3f},{:.3f},{:.3f}), columns ({:.3f},{:.3f},{:.3f}))", h.series, h.columns,
+                    h.rows, h.row.x, h.row.y, h.row.z, h.column.x, h.column.y, h.column.z);
+    series[name].push_back({file, glm::dot(h.position, glm::cross(h.row, h.column))});
+  }
+  for (auto& [name, slices] : series)
+    std::stable_sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.place < b.place; });
+  return series;
+}
+
+/// The files of the series that the options choose, or of the only one, in the order of their places.
 std::vector<fs::path> chooseSeries(const fs::path& folder, const std::string& wanted) {
-  std::vector<hb::DicomSeries> series = hb::findDicomSeries(folder);
+  const auto series = findSeries(folder);
   if (series.empty())
     throw hbError(fmt::format("{}: expected a folder with DICOM slices, found none", folder.string()));
-  std::vector<std::string> uids;
-  for (const hb::DicomSeries& s : series) uids.push_back(s.uid);
-  if (!wanted.empty()) std::erase_if(series, [&](const hb::DicomSeries& s) { return !s.uid.starts_with(wanted); });
-  if (series.size() != 1)
+  std::vector<std::string> all, matching;
+  for (const auto& [name, slices] : series) {
+    all.push_back(name);
+    if (name.starts_with(wanted)) matching.push_back(name);
+  }
+  if (matching.size() != 1)
     throw hbError(fmt::format("{}: expected one DICOM series{}, found {}; choose one of {}", folder.string(),
-                              wanted.empty() ? "" : fmt::format(" that starts with '{}'", wanted), series.size(),
-                              fmt::join(uids, ", ")));
-  return series[0].files;
+                              wanted.empty() ? "" : fmt::format(" that starts with '{}'", wanted), matching.size(),
+                              fmt::join(all, ", ")));
+  std::vector<fs::path> files;
+  for (const Slice& slice : series.at(matching[0])) files.push_back(slice.file);
+  return files;
 }
 
 hbVolume readDicomFolder(const fs::path& folder, const hbReadOptions& options, hbProgress& progress) {
@@ -357,7 +424,6 @@ hbVolume readDicomFolder(const fs::path& folder, const hbReadOptions& options, h
   geometry.direction[2] = step / geometry.spacing.z;
   geometry.validate(folder.string());
 
-  requireRatio(folder, bytesOf(count, 1, sliceBytes), totalSize(files), kAnyRatio);
   const std::shared_ptr<std::byte> data = allocate(folder, bytesOf(count, 1, sliceBytes), options);
   progress.begin("reading", count, "slices");
   for (std::int64_t k = 0; k < count; ++k) {
