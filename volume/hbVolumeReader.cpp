@@ -106,13 +106,12 @@ hbGeometry geometryOf(const fs::path& path, const hbItkImage& image, std::string
   return g;
 }
 
-/// Integers of 64 bits as int32 or uint32, where they fit.
-template <class Wide, class Narrow>
+/// Integers of 64 bits, packed, as int32 or uint32, where they fit.
+template <class Wide, class Narrow, bool Swapped>
 hbVolume narrowed(const fs::path& path, const hbGeometry& geometry, int components, const std::byte* data) {
   std::vector<Narrow> samples(std::size_t(geometry.samples() * components));
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    Wide value;
-    std::memcpy(&value, data + i * sizeof value, sizeof value);
+    const auto value = hb::loadSample<Wide, Swapped>(data + i * sizeof(Wide));
     samples[i] = Narrow(value);
     if (Wide(samples[i]) != value)
       throw hbError(
@@ -121,29 +120,71 @@ hbVolume narrowed(const fs::path& path, const hbGeometry& geometry, int componen
   return hbVolume::fromSamples(geometry, std::move(samples), components);
 }
 
+/// The volume of an image's samples, which lie packed in `data`.
+hbVolume packedVolume(const fs::path& path, const hbItkImage& image, const hbGeometry& geometry,
+                      const std::shared_ptr<const std::byte>& data, bool swapped) {
+  const int components = image.components();
+  if (image.type()) {
+    hbVolume::Layout layout = hbVolume::Layout::packed(geometry.size, components);
+    layout.byteSwapped = swapped && image.componentBytes() > 1;
+    return hbVolume(geometry, *image.type(), components, data, layout);
+  }
+  const auto narrow =
+      image.isUnsigned()
+          ? (swapped ? narrowed<std::uint64_t, std::uint32_t, true> : narrowed<std::uint64_t, std::uint32_t, false>)
+          : (swapped ? narrowed<std::int64_t, std::int32_t, true> : narrowed<std::int64_t, std::int32_t, false>);
+  return narrow(path, geometry, components, data.get());
+}
+
 /// Reads the samples through ITK; the file is known to be large enough for them.
 hbVolume decode(const fs::path& path, hbItkImage& image, const hbGeometry& geometry, const hbReadOptions& options,
                 hbProgress& progress) {
-  const int components = image.components();
-  const std::uint64_t bytes = bytesOf(geometry.samples(), components, image.componentBytes());
+  const std::uint64_t bytes = bytesOf(geometry.samples(), image.components(), image.componentBytes());
   const std::shared_ptr<std::byte> data = allocate(path, bytes, options);
   progress.begin("reading", std::int64_t(bytes), "bytes");
   progress.advance(0);
   image.read(data.get());
   progress.advance(std::int64_t(bytes));
-  if (image.type())
-    return hbVolume(geometry, *image.type(), components, data, hbVolume::Layout::packed(geometry.size, components));
-  return image.isUnsigned() ? narrowed<std::uint64_t, std::uint32_t>(path, geometry, components, data.get())
-                            : narrowed<std::int64_t, std::int32_t>(path, geometry, components, data.get());
+  return packedVolume(path, image, geometry, data, false);
 }
 
-/// The samples of a file as they lie from `offset` on.
-hbVolume mapped(const fs::path& path, std::uint64_t offset, const hbGeometry& geometry, hbSampleType type,
-                int components, const hbVolume::Layout& layout) {
+/// Maps a file from `offset` on, where it must have `bytes`.
+std::shared_ptr<const std::byte> mappedBytes(const fs::path& path, std::uint64_t offset, std::uint64_t bytes) {
   std::uint64_t size = 0;
   const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
-  requireFile(path, bytesOf(geometry.samples(), components, hb::sampleBytes(type)), size - std::min(size, offset));
-  return hbVolume(geometry, type, components, {file, file.get() + offset}, layout);
+  requireFile(path, bytes, size - std::min(size, offset));
+  return {file, file.get() + offset};
+}
+
+/// Inflates `bytes` bytes from a zlib or gzip stream that starts at `offset`. (MetaIO would not notice its end.)
+std::shared_ptr<const std::byte> inflated(const fs::path& path, std::uint64_t offset, std::uint64_t bytes,
+                                          const hbReadOptions& options, hbProgress& progress) {
+  std::uint64_t size = 0;
+  const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
+  const std::shared_ptr<std::byte> data = allocate(path, bytes, options);
+  progress.begin("reading", std::int64_t(bytes), "bytes");
+  z_stream stream{};
+  inflateInit2(&stream, 15 + 32); // 32: either header
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> closer(&stream, inflateEnd);
+  // zlib counts in 32 bits: pieces of a size that lets progress show, too.
+  constexpr std::uint64_t kPiece = 1 << 24;
+  std::uint64_t read = std::min(offset, size), written = 0;
+  int status = Z_OK;
+  while (written < bytes && status == Z_OK) {
+    const auto in = uInt(std::min(kPiece, size - read)), out = uInt(std::min(kPiece, bytes - written));
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(file.get() + read));
+    stream.avail_in = in;
+    stream.next_out = reinterpret_cast<Bytef*>(data.get() + written);
+    stream.avail_out = out;
+    status = inflate(&stream, Z_NO_FLUSH);
+    read += in - stream.avail_in;
+    written += out - stream.avail_out;
+    progress.advance(std::int64_t(out - stream.avail_out));
+  }
+  if (written < bytes)
+    throw hbError(fmt::format("{}: expected {} bytes of compressed samples, found {} and then {}", path.string(), bytes,
+                              written, status == Z_STREAM_END || status == Z_BUF_ERROR ? "the end" : "damage"));
+  return data;
 }
 
 /// The offset of the samples in a file where they start `skip` bytes after `start`, or are its end (skip -1).
@@ -161,10 +202,7 @@ std::uint64_t skipLines(const fs::path& path, std::uint64_t offset, std::int64_t
   const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
   const std::byte* const end = file.get() + size;
   const std::byte* at = file.get() + std::min(offset, size);
-  for (; lines > 0; --lines) {
-    at = std::find(at, end, std::byte{'\n'});
-    if (at++ == end) throw hbError(fmt::format("{}: expected {} more lines to skip, found none", path.string(), lines));
-  }
+  for (; lines > 0 && at != end; --lines) at = std::min(std::find(at, end, std::byte{'\n'}) + 1, end);
   return std::uint64_t(at - file.get());
 }
 
@@ -214,7 +252,7 @@ hbVolume readNrrd(const fs::path& path, const hbReadOptions& options, hbProgress
     step *= header.sizes[a];
   }
   const std::uint64_t offset = offsetOf(file, start, header.byteSkip, bytes);
-  return finish(mapped(file, offset, geometry, *image.type(), image.components(), layout));
+  return finish(hbVolume(geometry, *image.type(), image.components(), mappedBytes(file, offset, bytes), layout));
 }
 
 hbVolume readMetaImage(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
@@ -243,13 +281,22 @@ hbVolume readMetaImage(const fs::path& path, const hbReadOptions& options, hbPro
     requireRatio(path, bytes, stored, kDeflateRatio);
   else
     requireFile(path, bytes, stored);
-  if (header.compressed || header.files.size() > 1 || !image.type())
+  if (header.files.size() > 1) {
+    if (header.compressed)
+      throw hbError(fmt::format("{}: expected compressed samples in one file, found a list of {}", path.string(),
+                                header.files.size()));
+    for (const fs::path& file : header.files) requireFile(file, bytes / header.files.size(), fileSize(file));
     return decode(path, image, geometry, options, progress);
-  const fs::path& file = header.files.empty() ? path : header.files[0];
-  const std::uint64_t offset = header.files.empty() ? header.dataOffset : offsetOf(file, 0, header.headerSize, bytes);
-  hbVolume::Layout layout = hbVolume::Layout::packed(geometry.size, image.components());
-  layout.byteSwapped = header.bigEndian && image.componentBytes() > 1;
-  return mapped(file, offset, geometry, *image.type(), image.components(), layout);
+  }
+  const bool local = header.files.empty();
+  const fs::path& file = local ? path : header.files[0];
+  std::uint64_t offset = header.dataOffset;
+  if (!local)
+    offset =
+        offsetOf(file, 0, header.compressed ? std::max<std::int64_t>(0, header.headerSize) : header.headerSize, bytes);
+  const auto data =
+      header.compressed ? inflated(file, offset, bytes, options, progress) : mappedBytes(file, offset, bytes);
+  return packedVolume(path, image, geometry, data, header.bigEndian);
 }
 
 /// The whole of a gzip file is inflated once to learn its length, and that it is complete: niftilib takes what is

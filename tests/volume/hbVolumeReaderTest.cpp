@@ -17,6 +17,11 @@
 
 namespace fs = std::filesystem;
 
+/// For the leak sanitizer: teem, inside ITK, does not free what it had when it fails.
+extern "C" const char* __lsan_default_suppressions() { // NOLINT(bugprone-reserved-identifier): the sanitizer's name
+  return "leak:libITKNrrdIO\n";
+}
+
 namespace {
 
 std::string gzipped(const std::string& bytes) {
@@ -228,7 +233,7 @@ TEST(hbVolumeReader, NrrdDetachedAndSkips) {
     list += fmt::format("d{}.raw\n", z);
   }
   EXPECT_EQ(valuesOf(readText(dir, "d.nhdr", list)), doubles(samples));
-  EXPECT_ERROR(readText(dir, "e.nhdr", raw + "line skip: 9\ndata file: b.raw\n"), "more lines to skip");
+  EXPECT_ERROR(readText(dir, "e.nhdr", raw + "line skip: 9\ndata file: b.raw\n"), "skipping line 4 of 9");
   EXPECT_ERROR(readText(dir, "f.nhdr", raw + "data file: missing.raw\n"), "missing.raw");
   EXPECT_ERROR(readText(dir, "g.nhdr", raw + "data file: d%d.raw 0 1 1\n"), "pattern");
   fs::remove(dir / "d1.raw");
@@ -506,7 +511,7 @@ TEST(hbVolumeReader, NiftiDamage) {
   Nifti huge(2, 8);
   huge.dims({3, 32767, 32767, 32767, 1, 1, 1, 1});
   EXPECT_ERROR(readText(dir, "b.nii", huge.bytes), "bytes of samples, found 0");
-  EXPECT_ERROR(readText(dir, "b.nii.gz", gzipped(huge.bytes)), "compressed bytes cannot hold");
+  EXPECT_ERROR(readText(dir, "b.nii.gz", gzipped(huge.bytes)), "bytes of samples, found 0");
   const std::string zipped = gzipped(good);
   EXPECT_ERROR(readText(dir, "c.nii.gz", zipped.substr(0, zipped.size() - 20)), "c.nii.gz");
   Nifti zero(2, 8);

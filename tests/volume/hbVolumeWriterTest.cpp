@@ -159,7 +159,7 @@ TEST(hbVolumeWriter, VtiOfNodes) {
   volume.setComponentNames({"a<b> & \"c\"\t\xC3\xA4"});
   hb::writeVolume(volume, path);
   const Vti vti = splitVti(path);
-  EXPECT_EQ(checkNesting(vti.header + vti.footer), 11);
+  EXPECT_EQ(checkNesting(vti.header + vti.footer), 12);
   EXPECT_EQ(attribute(vti.header, "byte_order"), "LittleEndian");
   EXPECT_EQ(attribute(vti.header, "header_type"), "UInt64");
   EXPECT_EQ(attribute(vti.header, "WholeExtent"), "0 1 0 2 0 3");
