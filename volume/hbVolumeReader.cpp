@@ -322,7 +322,8 @@ std::uint64_t inflatedSize(const fs::path& path, std::vector<std::byte>& start) 
 hbVolume readNifti(const fs::path& path, bool compressed, const hbReadOptions& options, hbProgress& progress) {
   // What the file itself holds, as ITK's types differ where a slope makes floats.
   // https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h
-  constexpr std::size_t kHeader = 348, kDims = 40, kBits = 72, kOffset = 108;
+  constexpr std::size_t kHeader = 348, kDims = 40, kBits = 72, kSpacings = 80, kOffset = 108, kQform = 252,
+                        kSform = 254, kQuaternion = 256, kRows = 280;
   std::vector<std::byte> header(kHeader);
   std::uint64_t size = 0;
   if (compressed) {
@@ -338,14 +339,26 @@ hbVolume readNifti(const fs::path& path, bool compressed, const hbReadOptions& o
     return swapped ? hb::loadSample<std::int16_t, true>(header.data() + at)
                    : hb::loadSample<std::int16_t, false>(header.data() + at);
   };
-  const float start = swapped ? hb::loadSample<float, true>(header.data() + kOffset)
-                              : hb::loadSample<float, false>(header.data() + kOffset);
+  const auto float32 = [&](std::size_t at) {
+    return swapped ? hb::loadSample<float, true>(header.data() + at) : hb::loadSample<float, false>(header.data() + at);
+  };
   std::vector<std::int64_t> dims;
   for (int d = 1; d <= std::clamp<int>(int16(kDims), 1, 7); ++d) dims.push_back(int16(kDims + 2 * std::size_t(d)));
   const std::optional<std::int64_t> samples = hb::productOf(dims);
   if (!samples)
     throw hbError(fmt::format("{}: expected at least one sample along each axis and fewer than 2^60 in all, found {}",
                               path.string(), hb::sizesText(dims)));
+  // Coordinates that are not finite, or nearly so, send ITK into endless loops.
+  const auto requireCoordinates = [&](std::size_t at, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (const float value = float32(at + 4 * i); !(std::abs(value) < 1e15F))
+        throw hbError(
+            fmt::format("{}: byte {}: expected coordinates below 1e15, found {}", path.string(), at + 4 * i, value));
+  };
+  requireCoordinates(kSpacings, std::min<std::size_t>(3, dims.size()));
+  if (int16(kQform) > 0) requireCoordinates(kQuaternion, 6);
+  if (int16(kSform) > 0) requireCoordinates(kRows, 12);
+  const float start = float32(kOffset);
   if (!(start >= 0.0F && start < 0x1p62F))
     throw hbError(fmt::format("{}: expected samples after the header, found them at byte {}", path.string(), start));
   requireFile(path, bytesOf(*samples, 1, std::size_t(std::max<int>(8, int16(kBits))) / 8),

@@ -518,6 +518,14 @@ TEST(hbVolumeReader, NiftiDamage) {
   zero.dims({3, 2, 0, 4, 1, 1, 1, 1});
   EXPECT_ERROR(readText(dir, "d.nii", zero.bytes + std::string(24, 'a')), "d.nii");
   EXPECT_ERROR(readText(dir, "e.nii", "not at all"), "e.nii");
+  const auto with = [](std::size_t at, float value) {
+    return Nifti(2, 8).set<std::int16_t>(252, 1).set<float>(at, value).bytes + std::string(24, 'a');
+  };
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_ERROR(readText(dir, "f.nii", with(284, -1.7e38F)), "byte 284: expected coordinates below 1e15");
+  EXPECT_ERROR(readText(dir, "g.nii", with(256, kNaN)), "byte 256: expected coordinates");
+  EXPECT_ERROR(readText(dir, "h.nii", with(80, kNaN)), "byte 80: expected coordinates");
+  EXPECT_ERROR(readText(dir, "i.nii", with(108, -1.0F)), "expected samples after the header");
 }
 
 // TIFF
