@@ -30,7 +30,8 @@ std::mutex itkMutex;
 /// The first of libtiff's complaints that concern the file's end; it reads on without what is missing.
 std::string tiffComplaint;
 
-void keepTiffComplaint(const char* /*module*/, const char* format, va_list arguments) {
+__attribute__((format(printf, 2, 0))) void keepTiffComplaint(const char* /*module*/, const char* format,
+                                                             va_list arguments) {
   std::array<char, 256> text{};
   std::vsnprintf(text.data(), text.size(), format, arguments);
   if (tiffComplaint.empty() && std::strstr(text.data(), "IO error") != nullptr) tiffComplaint = text.data();
@@ -74,7 +75,9 @@ std::string reason(const itk::ExceptionObject& exception) {
       stacked = true;
       if (const auto end = line.find(": "); end != std::string::npos) line.erase(0, end + 2);
     }
-    text = stacked || text.empty() ? line : text + "; " + line;
+    if (stacked) text.clear();
+    if (!text.empty()) text += "; ";
+    text += line;
   }
   return text;
 }

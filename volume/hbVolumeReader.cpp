@@ -403,7 +403,7 @@ hbVolume readVtk(const fs::path& path, const hbReadOptions& options, hbProgress&
 
 /// A DICOM file as ITK may see it: whole, and not far more than its bytes can hold.
 hbDicomHeader checkDicom(const fs::path& path) {
-  const hbDicomHeader header = hb::readDicomHeader(path);
+  hbDicomHeader header = hb::readDicomHeader(path);
   requireRatio(path, header.decodedBytes(), header.pixelBytes, kAnyRatio);
   return header;
 }

@@ -18,7 +18,7 @@
 namespace fs = std::filesystem;
 
 /// For the leak sanitizer: teem, inside ITK, does not free what it had when it fails.
-extern "C" const char* __lsan_default_suppressions() { // NOLINT(bugprone-reserved-identifier): the sanitizer's name
+extern "C" const char* __lsan_default_suppressions() { // NOLINT: the sanitizer's name
   return "leak:libITKNrrdIO\n";
 }
 

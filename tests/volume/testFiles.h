@@ -17,8 +17,8 @@ namespace test {
 /// An empty folder of the running test's own.
 inline std::filesystem::path folder() {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) /
-                                     (std::string("hbvol-") + info->test_suite_name() + "-" + info->name());
+  std::filesystem::path path = std::filesystem::path(::testing::TempDir()) /
+                               (std::string("hbvol-") + info->test_suite_name() + "-" + info->name());
   std::filesystem::remove_all(path);
   std::filesystem::create_directories(path);
   return path;
