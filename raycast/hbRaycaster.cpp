@@ -154,6 +154,7 @@ private:
   }
 
   void integrate(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
+    if (samples.count == 0) return; // between two planes
     double sum = 0.0;
     march(segment, samples, [&](std::int64_t, float value) {
       sum += double(value);

@@ -17,11 +17,17 @@ hbHistogram hb::fieldHistogram(const hbField& field, int component, hbProgress& 
   const std::size_t slice = xs.size() * ys.size();
   std::vector<float> values(slice * zs.size());
   progress.begin("sampling the histogram", std::int64_t(zs.size()), "slices");
-  const hbValueMap map = field.valueMap();
   tbb::parallel_for(std::size_t{0}, zs.size(), [&](std::size_t k) {
     field.lattice(xs, ys, {&zs[k], 1}, component, values.data() + k * slice, xs.size(), slice);
-    for (std::size_t i = k * slice; i < (k + 1) * slice; ++i) values[i] = float(map.toTrue(values[i]));
     progress.advance(1);
   });
-  return hb::calcHistogram(values);
+  // Counted in field values, for those tell apart what floats of the true values would not.
+  hbHistogram histogram = hb::calcHistogram(values);
+  const hbValueMap map = field.valueMap();
+  histogram.min = map.toTrue(histogram.min);
+  histogram.max = map.toTrue(histogram.max);
+  histogram.mean = map.toTrue(histogram.mean);
+  histogram.deviation *= map.scale;
+  histogram.fineStep *= map.scale;
+  return histogram;
 }

@@ -26,12 +26,8 @@ hbErrorStatistics hb::fieldVolumeDifference(const hbVolume& reference, const hbF
                                             std::optional<double> nonFinite, hbProgress& progress) {
   const hbSize3 size = reference.geometry().size;
   assert(field.geometry().size == size);
-  const auto coordinates = [&](int d) {
-    std::vector<double> list;
-    for (std::int64_t i = 0; i < size[d]; ++i) list.push_back(size[d] == 1 ? 0.5 : double(i) / double(size[d] - 1));
-    return list;
-  };
-  const std::vector<double> xs = coordinates(0), ys = coordinates(1), zs = coordinates(2);
+  const auto xs = reference.geometry().cubeCoordinates(0), ys = reference.geometry().cubeCoordinates(1),
+             zs = reference.geometry().cubeCoordinates(2);
   const hbValueMap map = field.valueMap();
   // Slabs of some ten thousand samples: rows enough for a thread, memory little.
   const std::int64_t rows = std::clamp<std::int64_t>(65536 / size.x, 1, size.y), slabs = (size.y + rows - 1) / rows;

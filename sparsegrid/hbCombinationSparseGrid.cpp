@@ -34,15 +34,6 @@ struct Corners {
   }
 };
 
-/// The subspace and place in it that hold node i of an axis with 2^level cells.
-std::pair<int, std::int64_t> home(bool flat, int level, std::int64_t i) {
-  if (flat || i == 0) return {0, 0};
-  if (i == std::int64_t{1} << level) return {0, 1};
-  int own = level;
-  for (; i % 2 == 0; i /= 2) --own;
-  return {own, i / 2};
-}
-
 float clamped(float u) { return u > 0.0F ? std::min(u, 1.0F) : 0.0F; }
 
 } // namespace
@@ -58,11 +49,11 @@ hbCombinationSparseGrid::hbCombinationSparseGrid(const hbSparseGrid& grid)
       std::vector<float>& values = to.values.emplace_back();
       values.reserve(std::size_t(to.nodes.x * to.nodes.y * to.nodes.z));
       for (std::int64_t k = 0; k < to.nodes.z; ++k) {
-        const auto [lz, iz] = home(set.flat().z, to.levels.z, k);
+        const auto [lz, iz] = hbIndexSet::axisNode(set.flat().z, to.levels.z, k);
         for (std::int64_t j = 0; j < to.nodes.y; ++j) {
-          const auto [ly, iy] = home(set.flat().y, to.levels.y, j);
+          const auto [ly, iy] = hbIndexSet::axisNode(set.flat().y, to.levels.y, j);
           for (std::int64_t i = 0; i < to.nodes.x; ++i) {
-            const auto [lx, ix] = home(set.flat().x, to.levels.x, i);
+            const auto [lx, ix] = hbIndexSet::axisNode(set.flat().x, to.levels.x, i);
             const hbSubspace& from = set.subspace({lx, ly, lz});
             values.push_back(float(nodal[std::size_t(from.offset + ix + from.nodes.x * (iy + from.nodes.y * iz))]));
           }

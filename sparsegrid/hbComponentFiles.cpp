@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -59,6 +60,7 @@ std::optional<glm::ivec3> match(const Pattern& pattern, std::string_view name) {
     int level = 0;
     const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), level);
     if (error != std::errc() || level < 0 || level > hbIndexSet::kMaxLevel) return std::nullopt;
+    if (name[0] == '0' && end != name.data() + 1) return std::nullopt; // 02: the same level must not have two names
     name.remove_prefix(std::size_t(end - name.data()));
     levels[pattern.axis[n]] = level;
   }
@@ -71,7 +73,9 @@ Files findFiles(const std::string& pattern) {
   const Pattern parsed = parsePattern(pattern);
   Files files;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(parsed.folder, error))
+  const fs::directory_iterator entries(parsed.folder, error);
+  if (error) throw hbError(fmt::format("{}: the folder cannot be read: {}", pattern, error.message()));
+  for (const auto& entry : entries)
     if (const auto levels = match(parsed, entry.path().filename().string()))
       files.emplace(std::tuple(levels->x, levels->y, levels->z), entry.path());
   if (files.empty())
@@ -101,13 +105,40 @@ hbIndexSet enclosedBy(const Files& files, const glm::bvec3& flat, const std::str
   return hbIndexSet::fromList(levels, flat, what);
 }
 
-std::vector<double> samplesOf(const hbVolume& volume, int component) {
+std::vector<double> samplesOf(const hbVolume& volume, int component, const fs::path& path) {
   const hbSize3 size = volume.geometry().size;
   std::vector<double> values(std::size_t(volume.geometry().samples()));
   for (std::int64_t z = 0; z < size.z; ++z)
     for (std::int64_t y = 0; y < size.y; ++y)
       volume.row(0, y, z, component, {values.data() + size.x * (y + size.y * z), std::size_t(size.x)});
+  if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
+    throw hbError(fmt::format("{}: expected finite samples, found NaN or infinite ones", path.string()));
   return values;
+}
+
+/// Whether two volumes fill the same box of the world, up to the rounding of a text header.
+bool sameBox(const hbGeometry& a, const hbGeometry& b) {
+  constexpr double kDigits = 1e-5;
+  const glm::dvec3 extent = a.extent();
+  const double size = std::max({extent.x, extent.y, extent.z});
+  return glm::all(glm::lessThan(glm::abs(a.origin - b.origin), glm::dvec3(kDigits * size))) &&
+         glm::all(glm::lessThan(glm::abs(extent - b.extent()), glm::dvec3(kDigits * size)));
+}
+
+/// No position and no spacing of its own: what a file says that does not say where it lies.
+bool isPlaceless(const hbGeometry& g) {
+  return g.origin == glm::dvec3(0.0) && g.spacing == glm::dvec3(1.0) && g.direction == glm::dmat3(1.0);
+}
+
+/// The box that all component grids fill: their own, or the unit cube where none of them says where it lies.
+hbGeometry commonBox(const hbGeometry& first, const hbIndexSet& set) {
+  hbGeometry geometry = first;
+  for (int d = 0; d < 3; ++d) {
+    geometry.size[d] = set.flat()[d] ? 1 : (std::int64_t{1} << set.finest()[d]) + 1;
+    const double edge = isPlaceless(first) ? 1.0 : first.extent()[d];
+    geometry.spacing[d] = set.flat()[d] ? edge : edge / double(geometry.size[d] - 1);
+  }
+  return geometry;
 }
 
 } // namespace
@@ -118,12 +149,12 @@ hbSparseGrid hb::readComponentGrids(const std::string& pattern, const hbReadOpti
   const glm::bvec3 flat(first.geometry().size.x == 1, first.geometry().size.y == 1, first.geometry().size.z == 1);
   const hbIndexSet set = enclosedBy(files, flat, pattern);
 
-  hbSparseGrid::Frame frame;
-  frame.geometry = first.geometry();
-  for (int d = 0; d < 3; ++d) {
-    frame.geometry.size[d] = flat[d] ? 1 : (std::int64_t{1} << set.finest()[d]) + 1;
-    if (!flat[d]) frame.geometry.spacing[d] = first.geometry().extent()[d] / double(frame.geometry.size[d] - 1);
-  }
+  // The grids' values and the surpluses in 64 bits, the surpluses once more in 32.
+  const double need = (8.0 * double(set.combinationValues()) + 12.0 * double(set.storedValues())) * first.components();
+  if (need > double(options.memoryLimit))
+    throw hbError(fmt::format("{}: expected to need at most {} bytes (the memory limit), found {:.0f}", pattern,
+                              options.memoryLimit, need));
+  const hbSparseGrid::Frame frame{commonBox(first.geometry(), set), {}, {}};
   std::vector<std::vector<hbSparseGrid::ComponentValues>> grids(std::size_t(first.components()));
   const auto wanted = set.componentGrids();
   progress.begin("reading component grids", std::int64_t(wanted.size()), "files");
@@ -138,7 +169,12 @@ hbSparseGrid hb::readComponentGrids(const std::string& pattern, const hbReadOpti
                                 found->second.string(), grid.nodes.x, grid.nodes.y, grid.nodes.z, first.components(),
                                 volume.geometry().size.x, volume.geometry().size.y, volume.geometry().size.z,
                                 volume.components()));
-    for (int c = 0; c < first.components(); ++c) grids[std::size_t(c)].push_back({grid.levels, samplesOf(volume, c)});
+    if (!(isPlaceless(first.geometry()) && isPlaceless(volume.geometry())) &&
+        !sameBox(first.geometry(), volume.geometry()))
+      throw hbError(fmt::format("{}: expected the same box in the world as {}, found another", found->second.string(),
+                                files.begin()->second.string()));
+    for (int c = 0; c < first.components(); ++c)
+      grids[std::size_t(c)].push_back({grid.levels, samplesOf(volume, c, found->second)});
     progress.advance(1);
   }
   return hbSparseGrid::fromComponentGrids(frame, set, grids);

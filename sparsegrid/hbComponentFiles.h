@@ -13,7 +13,8 @@ namespace hb {
 ///
 /// The index set is what the files found enclose: every index with no greater levels than one of them. Files of grids
 /// with coefficient 0 may be missing; others may not. An axis is flat where the files have one sample along it. All
-/// components are read; geometry and names come from the first file. Throws hbError naming the pattern or the file.
+/// components are read. The files must fill the same box of the world; where none says where it lies (origin 0, spacing
+/// 1) it is the unit cube. Throws hbError naming the pattern or the file.
 hbSparseGrid readComponentGrids(const std::string& pattern, const hbReadOptions& options = {},
                                 hbProgress& progress = hbProgress::none());
 

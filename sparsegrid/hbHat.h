@@ -34,7 +34,7 @@ struct hbHat {
     for (int level = 1; level <= finest; ++level) {
       scale *= Real(2);
       const std::int32_t k = last >> (finest - level);
-      const Real t = u * scale - Real(2 * k + 1); // exact: u has no more bits than Real
+      const Real t = u * scale - Real(2 * k + 1); // exact for u >= 2^-24, otherwise rounded once
       node[level + 1] = k;
       weight[level + 1] = t >= Real(0) ? Real(1) - t : Real(1) + t;
       slope[level + 1] = t >= Real(0) ? -scale : scale;

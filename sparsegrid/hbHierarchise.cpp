@@ -1,10 +1,11 @@
 #include "sparsegrid/hbHierarchise.h"
 
-#include <bit>
 #include <cassert>
 #include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
+
+#include "volume/hbError.h"
 
 namespace {
 
@@ -28,37 +29,26 @@ std::vector<LineGroup> lineGroups(const hbIndexSet& set, int axis) {
   return groups;
 }
 
-/// One node of an axis: its level and its place there.
-struct AxisNode {
-  int level;
-  std::int64_t index;
-};
-
-/// The node at k 2^-level, 0 <= k <= 2^level, at the level it belongs to.
-AxisNode reduced(int level, std::int64_t k) {
-  if (k == 0) return {0, 0};
-  if (k == std::int64_t{1} << level) return {0, 1};
-  const int zeros = std::countr_zero(std::uint64_t(k));
-  return {level - zeros, k >> (zeros + 1)};
-}
-
 /// values(level) += sign * the mean of the two hierarchical neighbours, for all nodes of one level of a group.
 /// The nodes (2k+1) 2^-l of level l lie between k 2^-(l-1) and (k+1) 2^-(l-1).
-void addNeighbours(const LineGroup& group, int axis, int level, double sign, double* values) {
+void addNeighbours(const LineGroup& group, int axis, int level, double sign, double* values,
+                   const hbProgress& progress) {
   const std::int64_t inner = group.inner;
   const hbSubspace& target = *group.byLevel[std::size_t(level)];
   const std::int64_t nodes = target.nodes[axis];
-  const auto row = [&](const AxisNode& node, std::int64_t outer) {
+  const auto row = [&](const hbIndexSet::AxisNode& node, std::int64_t outer) {
     const hbSubspace& subspace = *group.byLevel[std::size_t(node.level)];
     return values + subspace.offset + (outer * subspace.nodes[axis] + node.index) * inner;
   };
-  for (std::int64_t outer = 0; outer < group.outer; ++outer)
+  for (std::int64_t outer = 0; outer < group.outer; ++outer) {
+    if (progress.cancelled()) throw hbCancelled();
     for (std::int64_t k = 0; k < nodes; ++k) {
-      const double* left = row(reduced(level - 1, k), outer);
-      const double* right = row(reduced(level - 1, k + 1), outer);
+      const double* left = row(hbIndexSet::axisNode(false, level - 1, k), outer);
+      const double* right = row(hbIndexSet::axisNode(false, level - 1, k + 1), outer);
       double* own = values + target.offset + (outer * nodes + k) * inner;
       for (std::int64_t i = 0; i < inner; ++i) own[i] += sign * (0.5 * (left[i] + right[i]));
     }
+  }
 }
 
 template <class Sweep>
@@ -70,20 +60,20 @@ void forEachGroup(const hbIndexSet& set, int axis, Sweep sweep) {
 
 } // namespace
 
-void hb::hierarchise(const hbIndexSet& set, std::span<double> values) {
+void hb::hierarchise(const hbIndexSet& set, std::span<double> values, const hbProgress& progress) {
   assert(std::int64_t(values.size()) == set.storedValues());
   for (int axis = 0; axis < 3; ++axis)
     forEachGroup(set, axis, [&](const LineGroup& group) {
       for (int level = int(group.byLevel.size()) - 1; level >= 1; --level)
-        addNeighbours(group, axis, level, -1.0, values.data());
+        addNeighbours(group, axis, level, -1.0, values.data(), progress);
     });
 }
 
-void hb::dehierarchise(const hbIndexSet& set, std::span<double> values) {
+void hb::dehierarchise(const hbIndexSet& set, std::span<double> values, const hbProgress& progress) {
   assert(std::int64_t(values.size()) == set.storedValues());
   for (int axis = 0; axis < 3; ++axis)
     forEachGroup(set, axis, [&](const LineGroup& group) {
       for (int level = 1; level < int(group.byLevel.size()); ++level)
-        addNeighbours(group, axis, level, 1.0, values.data());
+        addNeighbours(group, axis, level, 1.0, values.data(), progress);
     });
 }

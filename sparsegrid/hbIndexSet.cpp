@@ -1,6 +1,7 @@
 #include "sparsegrid/hbIndexSet.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <tuple>
 
@@ -38,6 +39,13 @@ int resolvingLevel(std::int64_t size) {
 std::int64_t hbIndexSet::axisNodes(bool flat, int level) {
   if (flat) return 1;
   return level == 0 ? 2 : std::int64_t{1} << (level - 1);
+}
+
+hbIndexSet::AxisNode hbIndexSet::axisNode(bool flat, int level, std::int64_t k) {
+  if (flat || k == 0) return {0, 0};
+  if (k == std::int64_t{1} << level) return {0, 1};
+  const int zeros = std::countr_zero(std::uint64_t(k));
+  return {level - zeros, k >> (zeros + 1)};
 }
 
 hbIndexSet::Axes hbIndexSet::axesOf(const hbSize3& size) {

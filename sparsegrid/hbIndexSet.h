@@ -74,6 +74,14 @@ public:
   /// Nodes of one axis at one level: 1 if flat, 2 at level 0, otherwise 2^(l-1).
   static std::int64_t axisNodes(bool flat, int level);
 
+  /// One node of an axis: the level it belongs to, and its place there.
+  struct AxisNode {
+    int level;
+    std::int64_t index;
+  };
+  /// The node at k 2^-level, 0 <= k <= 2^level (of a flat axis its only one).
+  static AxisNode axisNode(bool flat, int level, std::int64_t k);
+
 private:
   hbIndexSet(const std::vector<glm::ivec3>& levels, const glm::bvec3& flat);
   std::size_t slot(const glm::ivec3& levels) const;

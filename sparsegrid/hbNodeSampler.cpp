@@ -9,17 +9,31 @@
 
 #include "volume/hbError.h"
 
-hbNodeSampler::hbNodeSampler(const hbField& source, const hbIndexSet& set, hbLatticeMapping mapping)
-    : source_(source), size_(source.geometry().size), aligned_(mapping == hbLatticeMapping::aligned) {
-  const hbIndexSet::Axes axes = hbIndexSet::axesOf(size_);
+int hbNodeSampler::alignedLevel(std::int64_t size) {
+  return size <= 2 ? 0 : int(std::bit_width(std::uint64_t(size - 2)));
+}
+
+void hbNodeSampler::checkAligned(const hbSize3& size, const hbIndexSet& set) {
   for (int d = 0; d < 3; ++d) {
-    latticeLevel_[std::size_t(d)] = axes.maxLevel[d];
-    for (int level = 0; level <= set.finest()[d]; ++level) plans_[std::size_t(d)].push_back(plan(d, level));
+    const int level = alignedLevel(size[d]);
+    if (level > hbIndexSet::kMaxLevel)
+      throw hbError(fmt::format("aligned mapping: expected at most {} samples along {}, found {}",
+                                (std::int64_t{1} << hbIndexSet::kMaxLevel) + 1, "xyz"[d], size[d]));
+    if (set.finest()[d] > level)
+      throw hbError(fmt::format("aligned mapping: expected levels up to {} along {} for {} samples, found {}", level,
+                                "xyz"[d], size[d], set.finest()[d]));
   }
 }
 
+hbNodeSampler::hbNodeSampler(const hbField& source, const hbIndexSet& set, hbLatticeMapping mapping)
+    : source_(source), size_(source.geometry().size), aligned_(mapping == hbLatticeMapping::aligned) {
+  if (aligned_) checkAligned(size_, set);
+  for (int d = 0; d < 2; ++d)
+    for (int level = 0; level <= set.finest()[d]; ++level) plans_[std::size_t(d)].push_back(plan(d, level));
+}
+
 hbNodeSampler::Stencil hbNodeSampler::stencil(int axis, std::int64_t node) const {
-  const std::int64_t samples = size_[axis], last = std::int64_t{1} << latticeLevel_[std::size_t(axis)];
+  const std::int64_t samples = size_[axis], last = std::int64_t{1} << alignedLevel(samples);
   if (node < samples) return {{node, 1.0}};
   if (node == last) return {{last / 2, 2.0}, {0, -1.0}};
   // Outside: the mean of the neighbours at the distance of the node's own level.
@@ -31,19 +45,22 @@ hbNodeSampler::Stencil hbNodeSampler::stencil(int axis, std::int64_t node) const
 }
 
 hbNodeSampler::AxisPlan hbNodeSampler::plan(int axis, int level) const {
+  return plan(axis, level, 0, hbIndexSet::axisNodes(size_[axis] == 1, level));
+}
+
+hbNodeSampler::AxisPlan hbNodeSampler::plan(int axis, int level, std::int64_t first, std::int64_t count) const {
   AxisPlan plan;
   if (size_[axis] == 1) return {{0.5}, {}};
-  const std::int64_t nodes = hbIndexSet::axisNodes(false, level);
   if (!aligned_) {
-    for (std::int64_t k = 0; k < nodes; ++k)
+    for (std::int64_t k = first; k < first + count; ++k)
       plan.coordinates.push_back(level == 0 ? double(k) : std::ldexp(double(2 * k + 1), -level));
     return plan;
   }
-  const int finer = latticeLevel_[std::size_t(axis)] - level;
+  const int finest = alignedLevel(size_[axis]);
   std::vector<Stencil> stencils;
   std::map<std::int64_t, std::size_t> place; // of a sample among those read
-  for (std::int64_t k = 0; k < nodes; ++k) {
-    stencils.push_back(stencil(axis, level == 0 ? k << latticeLevel_[std::size_t(axis)] : (2 * k + 1) << finer));
+  for (std::int64_t k = first; k < first + count; ++k) {
+    stencils.push_back(stencil(axis, level == 0 ? k << finest : (2 * k + 1) << (finest - level)));
     for (const auto& [sample, weight] : stencils.back()) place.emplace(sample, 0);
   }
   for (auto& [sample, index] : place) {
@@ -57,10 +74,11 @@ hbNodeSampler::AxisPlan hbNodeSampler::plan(int axis, int level) const {
   return plan;
 }
 
-void hbNodeSampler::sample(const hbSubspace& subspace, int component, std::span<double> out) const {
+void hbNodeSampler::sample(const hbSubspace& subspace, std::int64_t first, std::int64_t count, int component,
+                           std::span<double> out) const {
   const AxisPlan& x = plans_[0][std::size_t(subspace.levels.x)];
   const AxisPlan& y = plans_[1][std::size_t(subspace.levels.y)];
-  const AxisPlan& z = plans_[2][std::size_t(subspace.levels.z)];
+  const AxisPlan z = plan(2, subspace.levels.z, first, count);
   const std::array<std::size_t, 3> read{x.coordinates.size(), y.coordinates.size(), z.coordinates.size()};
   std::vector<float> samples(read[0] * read[1] * read[2]);
   source_.lattice(x.coordinates, y.coordinates, z.coordinates, component, samples.data(), read[0], read[0] * read[1]);

@@ -30,6 +30,23 @@ void checkLengths(const hbIndexSet& set, std::size_t components, auto&& lengthOf
       throw hbError(fmt::format("sparse grid: expected {} values, found {}", set.storedValues(), lengthOf(c)));
 }
 
+/// Some planes of a subspace, few enough to be read at once.
+struct Slab {
+  const hbSubspace* subspace;
+  std::int64_t first, count;
+};
+
+std::vector<Slab> slabsOf(const hbIndexSet& set) {
+  constexpr std::int64_t kNodes = 65536;
+  std::vector<Slab> slabs;
+  for (const hbSubspace& subspace : set.subspaces()) {
+    const std::int64_t planes = std::max<std::int64_t>(1, kNodes / (subspace.nodes.x * subspace.nodes.y));
+    for (std::int64_t z = 0; z < subspace.nodes.z; z += planes)
+      slabs.push_back({&subspace, z, std::min(planes, subspace.nodes.z - z)});
+  }
+  return slabs;
+}
+
 /// The slots (see hbHat) of one level: first and number.
 struct Slots {
   int first, count;
@@ -37,8 +54,6 @@ struct Slots {
 Slots slotsOf(int level, bool flat) { return level > 0 ? Slots{level + 1, 1} : Slots{0, flat ? 1 : 2}; }
 
 } // namespace
-
-int hbSparseGrid::alignedLevel(std::int64_t size) { return hbIndexSet::axesOf({size, 1, 1}).maxLevel.x; }
 
 hbSparseGrid::hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vector<std::vector<float>> surpluses)
     : frame_(frame), set_(set), surpluses_(std::move(surpluses)) {
@@ -48,14 +63,10 @@ hbSparseGrid::hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vecto
     if (frame_.geometry.isFlat(d) != set_.flat()[d])
       throw hbError(fmt::format("sparse grid: expected an index set {} along {}, as the volume is",
                                 size == 1 ? "flat" : "not flat", "xyz"[d]));
-    if (frame_.mapping == hbLatticeMapping::aligned && size > 1) {
-      scale_[d] = double(size - 1) / std::exp2(alignedLevel(size));
-      if (set_.finest()[d] > alignedLevel(size))
-        throw hbError(fmt::format(
-            "sparse grid: expected levels up to {} along {} for the aligned mapping of {} samples, found {}",
-            alignedLevel(size), "xyz"[d], size, set_.finest()[d]));
-    }
+    if (frame_.mapping == hbLatticeMapping::aligned && size > 1)
+      scale_[d] = double(size - 1) / std::exp2(hbNodeSampler::alignedLevel(size));
   }
+  if (frame_.mapping == hbLatticeMapping::aligned) hbNodeSampler::checkAligned(frame_.geometry.size, set_);
   for (const hbSubspace& subspace : set_.subspaces()) {
     if (subspace.levels.x != 0) continue;
     const std::size_t first = offsets_.size();
@@ -71,16 +82,19 @@ hbSparseGrid hbSparseGrid::interpolate(const hbField& source, const hbIndexSet& 
                                        hbProgress& progress) {
   const Frame frame{source.geometry(), source.valueMap(), mapping};
   const hbNodeSampler sampler(source, set, mapping);
+  const std::vector<Slab> slabs = slabsOf(set);
   std::vector<std::vector<float>> surpluses;
   progress.begin("reading nodes", set.storedValues() * source.components(), "nodes");
   for (int component = 0; component < source.components(); ++component) {
-    std::vector<double> values(std::size_t(set.storedValues()));
-    tbb::parallel_for(std::size_t{0}, set.subspaces().size(), [&](std::size_t s) {
-      const hbSubspace& subspace = set.subspaces()[s];
-      sampler.sample(subspace, component, {values.data() + subspace.offset, std::size_t(subspace.count())});
-      progress.advance(subspace.count());
+    std::vector<double> values(static_cast<std::size_t>(set.storedValues()));
+    tbb::parallel_for(std::size_t{0}, slabs.size(), [&](std::size_t s) {
+      const auto& [subspace, first, count] = slabs[s];
+      const std::int64_t plane = subspace->nodes.x * subspace->nodes.y;
+      const std::span out(values.data() + subspace->offset + first * plane, std::size_t(count * plane));
+      sampler.sample(*subspace, first, count, component, out);
+      progress.advance(std::int64_t(out.size()));
     });
-    hb::hierarchise(set, values);
+    hb::hierarchise(set, values, progress);
     surpluses.push_back(toFloats(values));
   }
   return {frame, set, std::move(surpluses)};

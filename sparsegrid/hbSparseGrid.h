@@ -87,9 +87,6 @@ public:
   /// The same with the gradient (in cube units).
   double calcValue(const glm::dvec3& point, int component, glm::dvec3& gradient) const;
 
-  /// The least n with 2^n >= size-1: how fine the aligned mapping's lattice is along an axis.
-  static int alignedLevel(std::int64_t size);
-
 private:
   hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vector<std::vector<float>> surpluses);
 

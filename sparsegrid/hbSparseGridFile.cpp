@@ -80,9 +80,14 @@ std::optional<Record> readOptional(const hbContainerReader& reader, const std::s
 
 hbSparseGridFile hbSparseGridFile::read(const hbContainerReader& reader) {
   const std::string name = reader.path().string();
-  hbDatasetInfo info = hbDatasetInfo::decode(readRequired(reader, {hbDatasetInfo::kType}), name + ": GEOM");
+  const hbDatasetInfo info = hbDatasetInfo::decode(readRequired(reader, {hbDatasetInfo::kType}), name + ": GEOM");
   const hbIndexSet set = hb::decodeIndexSet(readRequired(reader, {kIndexSet}), name + ": INDX");
   const std::uint64_t bytes = std::uint64_t(set.storedValues()) * sizeof(float);
+  // All components, and one more while it is unpacked.
+  if (double(bytes) * double(info.components() + 1) > double(reader.memoryLimit()))
+    throw hbError(
+        fmt::format("{}: expected to need at most {} bytes (the memory limit), found {} components of {} bytes", name,
+                    reader.memoryLimit(), info.components(), bytes));
 
   std::vector<std::vector<float>> surpluses;
   for (std::size_t c = 0; c < info.components(); ++c) {
@@ -96,15 +101,15 @@ hbSparseGridFile hbSparseGridFile::read(const hbContainerReader& reader) {
     std::vector<float>& values = surpluses.emplace_back(std::size_t(set.storedValues()));
     std::memcpy(values.data(), raw.data(), raw.size());
   }
-  try {
-    hbSparseGrid grid =
-        hbSparseGrid::fromSurpluses({info.geometry, info.valueMap, info.mapping}, set, std::move(surpluses));
-    return {std::move(grid), std::move(info), readOptional<hbRangeRecord>(reader, name),
-            readOptional<hbErrorRecord>(reader, name),
-            readOptional<hbProvenance>(reader, name).value_or(hbProvenance())};
-  } catch (const hbError& error) {
-    throw hbError(fmt::format("{}: {}", name, error.what()));
-  }
+  const auto grid = [&] {
+    try {
+      return hbSparseGrid::fromSurpluses({info.geometry, info.valueMap, info.mapping}, set, std::move(surpluses));
+    } catch (const hbError& error) {
+      throw hbError(fmt::format("{}: {}", name, error.what()));
+    }
+  };
+  return {grid(), info, readOptional<hbRangeRecord>(reader, name), readOptional<hbErrorRecord>(reader, name),
+          readOptional<hbProvenance>(reader, name).value_or(hbProvenance())};
 }
 
 void hbSparseGridFile::write(const std::filesystem::path& path) const {

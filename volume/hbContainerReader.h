@@ -30,6 +30,7 @@ public:
 
   const std::filesystem::path& path() const { return path_; }
   const hbContainerHeader& header() const { return header_; }
+  std::uint64_t memoryLimit() const { return memoryLimit_; }
 
   /// All chunks in the order of the file, those of unknown type included.
   std::span<const hbChunkEntry> entries() const { return entries_; }

@@ -29,6 +29,13 @@ glm::dvec3 hbGeometry::cubeSpacing() const {
   return step;
 }
 
+std::vector<double> hbGeometry::cubeCoordinates(int axis) const {
+  if (isFlat(axis)) return {0.5};
+  std::vector<double> coordinates;
+  for (std::int64_t i = 0; i < size[axis]; ++i) coordinates.push_back(double(i) / double(size[axis] - 1));
+  return coordinates;
+}
+
 void hbGeometry::validate(const std::string& what) const {
   constexpr std::int64_t kMaxSamples = std::int64_t{1} << 60;
   std::int64_t product = 1;

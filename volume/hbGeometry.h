@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
@@ -41,6 +42,9 @@ struct hbGeometry {
 
   /// Distance between samples in cube units: 1/(size-1), and 1 along flat axes.
   glm::dvec3 cubeSpacing() const;
+
+  /// Where the samples of an axis lie in the cube: i/(size-1), and 1/2 on a flat axis.
+  std::vector<double> cubeCoordinates(int axis) const;
 
   /// Throws hbError naming `what` unless sizes are >= 1 with a product below 2^60, spacings are positive and finite,
   /// and direction is finite with three independent unit columns.

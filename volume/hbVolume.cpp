@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 
 #include "volume/hbError.h"
 #include "volume/hbMappedFile.h"
@@ -66,38 +67,45 @@ void hbVolume::adviseScatteredReads() const { hb::adviseScatteredReads(data_); }
 void hbVolume::releasePages() const { hb::releasePages(data_); }
 
 hbValueMap hbVolume::chooseValueMap() const {
-  if (type_ != hbSampleType::int32 && type_ != hbSampleType::uint32 && type_ != hbSampleType::float64) return {};
-  // At most 40 samples an axis, first and last included.
-  constexpr std::int64_t kPerAxis = 40;
-  hbSize3 count;
-  for (int d = 0; d < 3; ++d) count[d] = std::min(kPerAxis, geometry_.size[d]);
+  const bool integer = type_ != hbSampleType::float32 && type_ != hbSampleType::float64;
+  const bool plain = slope_ == 1.0 && intercept_ == 0.0;
+  if (plain && integer && hb::sampleBytes(type_) < 4) return {};
+  // All samples of a small volume; of a larger one at most 40 an axis, first and last included.
+  constexpr std::int64_t kAll = std::int64_t{1} << 24, kPerAxis = 40;
+  hbSize3 count = geometry_.size;
+  if (geometry_.samples() > kAll / components_) count = glm::min(count, hbSize3(kPerAxis));
   const auto at = [&](int d, std::int64_t i) {
     return count[d] == 1 ? 0 : i * (geometry_.size[d] - 1) / (count[d] - 1);
   };
   double lo = std::numeric_limits<double>::infinity();
   double hi = -lo;
+  std::vector<double> line(static_cast<std::size_t>(count.x));
   for (int c = 0; c < components_; ++c)
     for (std::int64_t k = 0; k < count.z; ++k)
-      for (std::int64_t j = 0; j < count.y; ++j)
-        for (std::int64_t i = 0; i < count.x; ++i) {
-          const double v = value(at(0, i), at(1, j), at(2, k), c);
+      for (std::int64_t j = 0; j < count.y; ++j) {
+        if (count.x == geometry_.size.x)
+          row(0, at(1, j), at(2, k), c, line);
+        else
+          for (std::int64_t i = 0; i < count.x; ++i) line[std::size_t(i)] = value(at(0, i), at(1, j), at(2, k), c);
+        for (const double v : line) {
           if (!std::isfinite(v)) continue;
           lo = std::min(lo, v);
           hi = std::max(hi, v);
         }
+      }
   if (!(lo <= hi)) return {};
 
   const double largest = std::max(std::abs(lo), std::abs(hi));
-  const double width = hi - lo; // may be infinite for values near the largest double
+  const double middle = 0.5 * lo + 0.5 * hi, halfWidth = 0.5 * hi - 0.5 * lo; // neither overflows
   hbValueMap map;
-  // Centre where a float's 24 bits would be spent on the common offset.
-  const bool wideInteger = type_ != hbSampleType::float64 && largest > 0x1p24;
-  const bool offsetDominates = type_ == hbSampleType::float64 && largest > 4.0 * width;
-  if (wideInteger || offsetDominates) map.offset = std::nearbyint(lo + 0.5 * width);
-  if (type_ == hbSampleType::float64 && map.offset != 0.0 && std::abs(map.offset) < 0x1p20)
-    map.offset = lo + 0.5 * width;
-  // Scale by a power of two where a float's exponent does not reach; leave room for sums over the grid.
+  // Centre where a float's 24 bits would be spent on the common offset: neighbouring integers (which differ by the
+  // slope) fall together, or a small signal rides on a large constant. A float32 file was content with its bits.
+  const bool neighboursMeet = integer && largest > 0x1p24 * std::abs(slope_);
+  const bool offsetDominates = largest > 8.0 * halfWidth && (type_ == hbSampleType::float64 || !plain);
+  if (neighboursMeet || offsetDominates) map.offset = plain && integer ? std::nearbyint(middle) : middle;
+  // Scale by a power of two where a float's exponent does not reach; leave room for differences and sums over the grid.
   const double rest = std::max(std::abs(lo - map.offset), std::abs(hi - map.offset));
-  if (rest > 1e30) map.scale = std::exp2(std::ceil(std::log2(rest)));
+  constexpr double kRoom = 1e30;
+  if (rest > kRoom) map.scale = std::exp2(std::min(std::ceil(std::log2(rest)), 1023.0));
   return map;
 }

@@ -65,8 +65,9 @@ public:
   /// For a volume in a mapped file: forget what was read, so that it does not stay in memory (see hb::releasePages).
   void releasePages() const;
 
-  /// How 32-bit floats should stand for the data values (see hbValueMap): the identity, except for wide types
-  /// (int32, uint32, float64) whose values a float would confuse. Looks at up to 2^16 samples spread over the volume.
+  /// How 32-bit floats should stand for the data values (see hbValueMap): the identity, except where floats would take
+  /// neighbouring values for one (wide integers, a small signal on a large constant) or do not reach (beyond 1e30).
+  /// Looks at all samples of a volume of up to 2^24, and at 40 an axis of a larger one.
   hbValueMap chooseValueMap() const;
 
 private:

@@ -87,3 +87,31 @@ TEST(hbNodeSampler, RefusesSamplesThatAreNotFinite) {
     }
   }
 }
+
+TEST(hbNodeSampler, RefusesSetsThatCannotBeAligned) {
+  const auto field = hbAnalyticField::create("smooth,size=17");
+  const hbIndexSet fine = hbIndexSet::regular(6, {});
+  EXPECT_THROW(hbSparseGrid::interpolate(*field, fine, hbLatticeMapping::aligned), hbError);
+  EXPECT_NO_THROW(hbSparseGrid::interpolate(*field, fine, hbLatticeMapping::fitted));
+  // 2^20 + 2 samples need level 21.
+  const hbIndexSet line = hbIndexSet::regular(3, hbIndexSet::axesOf({9, 1, 1}));
+  EXPECT_THROW(hbNodeSampler::checkAligned({(1 << 20) + 2, 1, 1}, line), hbError);
+  EXPECT_NO_THROW(hbNodeSampler::checkAligned({(1 << 20) + 1, 1, 1}, line));
+  for (const auto& [size, level] : {std::pair{1, 0}, {2, 0}, {3, 1}, {4, 2}, {5, 2}, {6, 3}, {257, 8}, {258, 9}})
+    EXPECT_EQ(hbNodeSampler::alignedLevel(size), level) << size;
+}
+
+TEST(hbNodeSampler, SlabsAreThePlanesOfTheWhole) {
+  const auto field = hbAnalyticField::create("vortex,size=11x7x14");
+  for (const auto mapping : {hbLatticeMapping::fitted, hbLatticeMapping::aligned}) {
+    const hbIndexSet set = hbIndexSet::full(hbIndexSet::axesOf(field->geometry().size));
+    const hbNodeSampler sampler(*field, set, mapping);
+    const hbSubspace& subspace = set.subspace(set.finest());
+    std::vector<double> whole(std::size_t(subspace.count())), slab;
+    sampler.sample(subspace, 0, subspace.nodes.z, 0, whole);
+    const std::int64_t plane = subspace.nodes.x * subspace.nodes.y;
+    slab.resize(std::size_t(3 * plane));
+    sampler.sample(subspace, 2, 3, 0, slab);
+    EXPECT_TRUE(std::equal(slab.begin(), slab.end(), whole.begin() + 2 * plane));
+  }
+}

@@ -95,6 +95,30 @@ TEST(hbVolumeField, DoublesBeyondTheRangeOfAFloatAreScaled) {
   EXPECT_NEAR(field.valueMap().toTrue(valueAt(field, {1, 0, 0})) / -3e200, 1.0, 0x1p-24);
 }
 
+TEST(hbVolumeField, HugeValuesNeitherOverflowNorVanish) {
+  for (const double largest : {3e38, 1e60, 1.7e308}) {
+    const hbVolume volume = hbVolume::fromSamples<double>(cubeOf({3, 1, 1}), {-largest, 1.0, largest});
+    const hbVolumeField field(volume);
+    for (const float x : {0.0F, 0.25F, 0.5F, 1.0F}) {
+      const double expected = (2.0 * x - 1.0) * largest, found = field.valueMap().toTrue(valueAt(field, {x, 0, 0}));
+      EXPECT_NEAR(found / largest, expected / largest, 4 * 0x1p-24);
+    }
+  }
+  const hbVolume floats = hbVolume::fromSamples<float>(cubeOf({2, 1, 1}), {-3e38F, 3e38F});
+  const hbVolumeField field(floats);
+  EXPECT_NEAR(field.valueMap().toTrue(valueAt(field, {0.75F, 0, 0})) / 1.5e38, 1.0, 4 * 0x1p-24);
+}
+
+TEST(hbVolumeField, SlopesThatMakeNeighboursMeetAreCentred) {
+  hbVolume volume = hbVolume::fromSamples<std::uint8_t>(cubeOf({2, 1, 1}), {10, 11});
+  volume.setSlopeIntercept(1e-6, 1000.0);
+  const hbVolumeField field(volume);
+  const double a = field.valueMap().toTrue(valueAt(field, {0, 0, 0})),
+               b = field.valueMap().toTrue(valueAt(field, {1, 0, 0}));
+  EXPECT_NEAR(b - a, 1e-6, 1e-12);
+  EXPECT_NEAR(a, 1000.00001, 1e-12 + 1000 * 0x1p-52);
+}
+
 TEST(hbVolumeField, TheGradientIsThatOfTheInterpolant) {
   // f = 2x - 3y + 5z + 4xy is trilinear, so its interpolant and gradient are exact up to rounding:
   // values up to 11, four lerps a component: below 64 eps * 11 * cells.

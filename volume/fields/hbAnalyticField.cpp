@@ -142,7 +142,7 @@ const Known& knownField(std::string_view name) {
 
 /// "129" or "129x65x33".
 hbSize3 parseSize(std::string_view text) {
-  constexpr std::int64_t kLargest = 1 << 20;
+  constexpr std::int64_t kLargest = (1 << 20) + 1; // the full grid of the finest level
   hbSize3 size{0, 0, 0};
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -180,13 +180,9 @@ Parameters parseParameters(const Known& known, std::string_view text) {
 
 std::shared_ptr<const hbAnalyticField> hbAnalyticField::create(std::string_view specification) {
   const std::string_view name = specification.substr(0, specification.find(','));
-  const Known& known = knownField(name);
-  const Parameters parameters =
-      parseParameters(known, specification.substr(std::min(specification.size(), name.size() + 1)));
-  std::string canonical(name);
-  for (const auto& [key, value] : parameters) canonical += fmt::format(",{}={}", key, value);
-  const hbSize3 size = parseSize(parameters.at(std::string(kSize)));
-  return std::shared_ptr<const hbAnalyticField>(new hbAnalyticField(canonical, known.make(parameters), size));
+  Parameters parameters =
+      parseParameters(knownField(name), specification.substr(std::min(specification.size(), name.size() + 1)));
+  return std::shared_ptr<const hbAnalyticField>(new hbAnalyticField(std::string(name), std::move(parameters)));
 }
 
 std::vector<hbAnalyticField::Description> hbAnalyticField::all() {
@@ -196,18 +192,21 @@ std::vector<hbAnalyticField::Description> hbAnalyticField::all() {
   return list;
 }
 
-hbAnalyticField::hbAnalyticField(std::string specification, Formula formula, const hbSize3& size)
-    : specification_(std::move(specification)), formula_(std::move(formula)) {
-  geometry_.size = size;
-  for (int d = 0; d < 3; ++d) geometry_.spacing[d] = geometry_.cubeSpacing()[d];
-  // A flat axis shows the middle of the cube.
-  for (int d = 0; d < 3; ++d)
-    if (geometry_.isFlat(d)) geometry_.origin[d] = 0.5;
+hbAnalyticField::hbAnalyticField(std::string name, Parameters parameters)
+    : name_(std::move(name)), parameters_(std::move(parameters)), formula_(knownField(name_).make(parameters_)) {
+  specification_ = name_;
+  for (const auto& [key, value] : parameters_) specification_ += fmt::format(",{}={}", key, value);
+  geometry_.size = parseSize(parameters_.at(std::string(kSize)));
+  for (int d = 0; d < 3; ++d) {
+    geometry_.spacing[d] = geometry_.cubeSpacing()[d];
+    if (geometry_.isFlat(d)) geometry_.origin[d] = 0.5; // a flat axis shows the middle of the cube
+  }
 }
 
 std::shared_ptr<const hbAnalyticField> hbAnalyticField::withSize(const hbSize3& size) const {
-  const std::string name = specification_.substr(0, specification_.rfind(",size="));
-  return create(fmt::format("{},size={}x{}x{}", name, size.x, size.y, size.z));
+  Parameters parameters = parameters_;
+  parameters[std::string(kSize)] = fmt::format("{}x{}x{}", size.x, size.y, size.z);
+  return std::shared_ptr<const hbAnalyticField>(new hbAnalyticField(name_, std::move(parameters)));
 }
 
 double hbAnalyticField::coordinate(int axis, double x) const {

@@ -57,11 +57,14 @@ public:
   };
 
 private:
-  hbAnalyticField(std::string specification, Formula formula, const hbSize3& size);
+  using Parameters = std::map<std::string, std::string>;
+  hbAnalyticField(std::string name, Parameters parameters);
 
   double coordinate(int axis, double x) const; ///< Clamped (NaN to 0); the middle of a flat axis.
   glm::dvec3 point(const hbPoints& points, std::size_t i) const;
 
+  std::string name_;
+  Parameters parameters_; ///< Every one, `size` included.
   std::string specification_;
   Formula formula_;
   hbGeometry geometry_;

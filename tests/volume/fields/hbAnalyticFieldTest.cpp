@@ -100,6 +100,16 @@ TEST(hbAnalyticField, SizesAreNominal) {
   EXPECT_EQ(field->withSize({7, 7, 7})->geometry().size, hbSize3(7, 7, 7));
 }
 
+TEST(hbAnalyticField, AnotherSizeIsTheSameFormula) {
+  for (const std::string& name : kAll) {
+    const auto field = hbAnalyticField::create(name), resized = field->withSize({3, 5, 9});
+    EXPECT_EQ(resized->geometry().size, hbSize3(3, 5, 9));
+    EXPECT_EQ(resized->value({0.3, 0.6, 0.2}), field->value({0.3, 0.6, 0.2})) << name;
+    EXPECT_EQ(hbAnalyticField::create(resized->specification())->geometry(), resized->geometry());
+  }
+  EXPECT_EQ(hbAnalyticField::create("kink")->withSize(hbSize3((1 << 20) + 1))->geometry().size.x, (1 << 20) + 1);
+}
+
 TEST(hbAnalyticField, RefusesWhatItDoesNotKnow) {
   for (const char* bad :
        {"", "nothing", "hydrogen,state=9z", "hydrogen,spin=1", "ball,radius=x", "ball,radius=", "ball,radius",
