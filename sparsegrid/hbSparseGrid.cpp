@@ -6,11 +6,11 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include "sparsegrid/hbHierarchise.h"
 #include "sparsegrid/hbNodeSampler.h"
 #include "volume/hbError.h"
+#include "volume/hbParallel.h"
 
 namespace {
 
@@ -72,8 +72,8 @@ hbSparseGrid hbSparseGrid::interpolate(const hbField& source, const hbIndexSet& 
   progress.begin("reading nodes", set.storedValues() * source.components(), "nodes");
   for (int component = 0; component < source.components(); ++component) {
     std::vector<double> values(std::size_t(set.storedValues()));
-    tbb::parallel_for(std::size_t{0}, set.subspaces().size(), [&](std::size_t s) {
-      const hbSubspace& subspace = set.subspaces()[s];
+    hb::parallelFor(std::int64_t(set.subspaces().size()), [&](std::int64_t s) {
+      const hbSubspace& subspace = set.subspaces()[std::size_t(s)];
       sampler.sample(subspace, component, {values.data() + subspace.offset, std::size_t(subspace.count())});
       progress.advance(subspace.count());
     });
