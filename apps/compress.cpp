@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -69,8 +70,9 @@ void print(const std::string& out, const Json& stats, const hbSparseGridFile& fi
   constexpr const char* kReferences[] = {"samples", "random samples", "random points of the field"};
   if (file.error)
     for (const auto& c : file.error->components)
-      fmt::print("error against {} {}: max {:.6g}, RMSE {:.6g}, PSNR {:.2f} dB\n", c.points,
-                 kReferences[std::size_t(c.reference)], c.max, c.rmse, c.psnr);
+      fmt::print("error against {} {}: max {:.6g}, RMSE {:.6g}, PSNR {}\n", c.points,
+                 kReferences[std::size_t(c.reference)], c.max, c.rmse,
+                 std::isnan(c.psnr) ? "n/a (one value only)" : fmt::format("{:.2f} dB", c.psnr));
 }
 
 void run(Options& options, const app::CommonOptions& common) {
@@ -138,7 +140,8 @@ void addCompress(CLI::App& program, app::CommonOptions& common) {
       {"auto", Measure::automatic}, {"all", Measure::all}, {"sampled", Measure::sampled}, {"none", Measure::none}};
   command
       ->add_option("--measure", how.measure,
-                   "Errors against all samples, 2^20 random ones, or none; auto (default): all up to 2^26")
+                   "Errors against all samples, 2^17 random ones (fields: 2^20 points), or none; auto (default): all "
+                   "samples up to 2^26")
       ->transform(CLI::CheckedTransformer(measures));
   options->input.addReadTo(*command);
   command->callback([options, &common] { run(*options, common); });

@@ -75,7 +75,7 @@ Json volumes(const Options& options, const app::CommonOptions& common) {
   else {
     errors = hb::fieldDifference(*a.field(hbEngine::automatic, options.a.nanValue),
                                  *b.field(hbEngine::automatic, options.a.nanValue), options.component, options.points,
-                                 false, app::progress());
+                                 app::progress());
     against = "random points";
   }
   return {{"kind", "volumes"},

@@ -55,31 +55,81 @@ hbErrorStatistics hb::fieldVolumeDifference(const hbVolume& reference, const hbF
   });
 }
 
-hbErrorStatistics hb::fieldDifference(const hbField& reference, const hbField& field, int component,
-                                      std::int64_t points, bool atSamples, hbProgress& progress) {
-  constexpr std::int64_t kPart = 8192;
+namespace {
+
+constexpr std::int64_t kPart = 8192; // random points of one task
+
+/// Uniform in [0,1); each part of the work has a generator of its own, so that threads do not matter.
+class Random {
+public:
+  explicit Random(std::int64_t part) : engine_(std::uint64_t(part)) {}
+  double unit() { return double(engine_() >> 11U) * 0x1p-53; }
+
+private:
+  std::mt19937_64 engine_;
+};
+
+} // namespace
+
+hbErrorStatistics hb::sampledVolumeDifference(const hbVolume& reference, const hbField& field, int component,
+                                              std::int64_t count, std::optional<double> nonFinite,
+                                              hbProgress& progress) {
   const hbSize3 size = reference.geometry().size;
+  const hbValueMap map = field.valueMap();
+  // A sample costs a page of a mapped file: two parts at a time are 64 MB.
+  constexpr std::int64_t kPartsBetweenReleases = 2;
+  const std::int64_t parts = (count + kPart - 1) / kPart;
+  progress.begin("measuring errors", count, "samples");
+  hbErrorStatistics sum;
+  for (std::int64_t first = 0; first < parts; first += kPartsBetweenReleases) {
+    sum.merge(inParts(std::min(kPartsBetweenReleases, parts - first), [&](std::int64_t offset) {
+      const std::int64_t part = first + offset;
+      const std::size_t own = std::size_t(std::min(kPart, count - part * kPart));
+      Random random(part);
+      std::vector<float> x(own), y(own), z(own), found(own);
+      std::vector<double> truth(own);
+      for (std::size_t i = 0; i < own; ++i) {
+        hbSize3 at;
+        glm::dvec3 place;
+        for (int d = 0; d < 3; ++d) {
+          at[d] = std::int64_t(random.unit() * double(size[d]));
+          place[d] = size[d] == 1 ? 0.5 : double(at[d]) / double(size[d] - 1);
+        }
+        const double value = reference.value(at.x, at.y, at.z, component);
+        truth[i] = nonFinite && !std::isfinite(value) ? *nonFinite : value;
+        x[i] = float(place.x);
+        y[i] = float(place.y);
+        z[i] = float(place.z);
+      }
+      field.values({x, y, z}, component, found);
+      hbErrorStatistics errors;
+      for (std::size_t i = 0; i < own; ++i) errors.add(truth[i], map.toTrue(found[i]));
+      progress.advance(std::int64_t(own));
+      return errors;
+    }));
+    reference.releasePages();
+  }
+  return sum;
+}
+
+hbErrorStatistics hb::fieldDifference(const hbField& reference, const hbField& field, int component,
+                                      std::int64_t points, hbProgress& progress) {
   const hbValueMap map = field.valueMap(), referenceMap = reference.valueMap();
   progress.begin("measuring errors", points, "points");
   return inParts((points + kPart - 1) / kPart, [&](std::int64_t part) {
-    const std::size_t count = std::size_t(std::min(kPart, points - part * kPart));
-    std::mt19937_64 random{std::uint64_t(part)}; // its own for each part, so that threads do not matter
-    std::vector<float> x(count), y(count), z(count), truth(count), found(count);
-    const auto draw = [&](int d) {
-      const double unit = double(random() >> 11U) * 0x1p-53;
-      if (!atSamples || size[d] == 1) return float(unit);
-      return float(std::floor(unit * double(size[d])) / double(size[d] - 1));
-    };
-    for (std::size_t i = 0; i < count; ++i) {
-      x[i] = draw(0);
-      y[i] = draw(1);
-      z[i] = draw(2);
+    const std::size_t own = std::size_t(std::min(kPart, points - part * kPart));
+    Random random(part);
+    std::vector<float> x(own), y(own), z(own), truth(own), found(own);
+    for (std::size_t i = 0; i < own; ++i) {
+      x[i] = float(random.unit());
+      y[i] = float(random.unit());
+      z[i] = float(random.unit());
     }
     reference.values({x, y, z}, component, truth);
     field.values({x, y, z}, component, found);
     hbErrorStatistics errors;
-    for (std::size_t i = 0; i < count; ++i) errors.add(referenceMap.toTrue(truth[i]), map.toTrue(found[i]));
-    progress.advance(std::int64_t(count));
+    for (std::size_t i = 0; i < own; ++i) errors.add(referenceMap.toTrue(truth[i]), map.toTrue(found[i]));
+    progress.advance(std::int64_t(own));
     return errors;
   });
 }

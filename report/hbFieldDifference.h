@@ -17,9 +17,14 @@ hbErrorStatistics fieldVolumeDifference(const hbVolume& reference, const hbField
                                         std::optional<double> nonFinite = std::nullopt,
                                         hbProgress& progress = hbProgress::none());
 
-/// The same at `points` random points of the cube (for a volume as reference: at random samples), the same ones every
-/// time: for analytic fields, and for volumes too large to be read whole.
+/// The same at `count` randomly chosen samples, the same ones every time: for volumes too large to be read whole. Of a
+/// mapped volume, what was read is released now and then, so that memory stays bounded.
+hbErrorStatistics sampledVolumeDifference(const hbVolume& reference, const hbField& field, int component,
+                                          std::int64_t count, std::optional<double> nonFinite = std::nullopt,
+                                          hbProgress& progress = hbProgress::none());
+
+/// The errors of a field against another one at `points` random points of the cube, the same ones every time.
 hbErrorStatistics fieldDifference(const hbField& reference, const hbField& field, int component, std::int64_t points,
-                                  bool atSamples, hbProgress& progress = hbProgress::none());
+                                  hbProgress& progress = hbProgress::none());
 
 } // namespace hb

@@ -60,8 +60,9 @@ hbErrorRecord hbSparseCompression::errorsOf(const hbInput& input, const hbField&
   hbErrorRecord record;
   for (int c = 0; c < grid.components(); ++c) {
     const hbErrorStatistics errors =
-        all ? hb::fieldVolumeDifference(*input.volume, grid, c, nonFinite, progress)
-            : hb::fieldDifference(source, grid, c, kRandomPoints, input.volume != nullptr, progress);
+        all            ? hb::fieldVolumeDifference(*input.volume, grid, c, nonFinite, progress)
+        : input.volume ? hb::sampledVolumeDifference(*input.volume, grid, c, kRandomSamples, nonFinite, progress)
+                       : hb::fieldDifference(source, grid, c, kRandomPoints, progress);
     if (!std::isfinite(errors.max))
       throw hbError(fmt::format("{}: expected finite samples, found NaN or infinite ones; --nan-value V replaces them",
                                 input.name));
@@ -85,6 +86,7 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
   if (need > double(memoryLimit))
     throw hbError(fmt::format("{}: level {} needs about {:.0f} MB, more than the memory limit of {:.0f} MB", input.name,
                               set.number(), need / 0x1p20, double(memoryLimit) / 0x1p20));
+  if (input.volume && !mayScan(input)) input.volume->adviseScatteredReads();
   std::optional<hbRangeRecord> range;
   if (mayScan(input)) range = rangeOf(input, progress);
 
@@ -99,6 +101,7 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
     }
   };
   hbSparseGridFile file{interpolate(), {}, std::move(range), {}, {}};
+  if (input.volume) input.volume->releasePages();
   if (input.volume) {
     file.info.sampleType = input.volume->type();
     file.info.slope = input.volume->slope();

@@ -13,10 +13,11 @@ struct hbSparseCompression {
   enum class Measure : std::uint8_t {
     automatic, ///< All samples up to kMeasureAll, otherwise sampled.
     all,       ///< Every sample (analytic fields have none: sampled).
-    sampled,   ///< kRandomPoints samples (of an analytic field: points), the same ones every time.
+    sampled,   ///< kRandomSamples samples, or kRandomPoints of an analytic field, the same ones every time.
     none
   };
   static constexpr std::int64_t kMeasureAll = std::int64_t{1} << 26;
+  static constexpr std::int64_t kRandomSamples = std::int64_t{1} << 17;
   static constexpr std::int64_t kRandomPoints = std::int64_t{1} << 20;
 
   int level = 0; ///< Of the regular set, or the most an axis of a full one has; 0: what resolves the longest axis.

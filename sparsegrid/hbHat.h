@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 
 #include "sparsegrid/hbIndexSet.h"
@@ -14,9 +13,9 @@
 template <class Real>
 struct hbHat {
   static constexpr int kSlots = hbIndexSet::kMaxLevel + 2;
-  std::array<std::int32_t, kSlots> node;
-  std::array<Real, kSlots> weight;
-  std::array<Real, kSlots> slope;
+  std::int32_t node[kSlots];
+  Real weight[kSlots];
+  Real slope[kSlots];
 
   /// u is clamped to [0,1], NaN counts as 0; fills the slots up to `finest`'s.
   void evaluate(Real u, bool flat, int finest) {
@@ -27,11 +26,15 @@ struct hbHat {
     weight[1] = flat ? Real(0) : u;
     slope[0] = flat ? Real(0) : Real(-1);
     slope[1] = flat ? Real(0) : Real(1);
+    if (finest == 0) return;
+    // The nodes nest: a coarser level's is the finest one's, halved.
+    const std::int32_t finestNodes = std::int32_t{1} << (finest - 1);
+    const std::int32_t last = std::min(std::int32_t(u * Real(finestNodes)), finestNodes - 1);
+    Real scale = Real(1);
     for (int level = 1; level <= finest; ++level) {
-      const std::int32_t nodes = std::int32_t{1} << (level - 1);
-      const std::int32_t k = std::min(std::int32_t(u * Real(nodes)), nodes - 1);
-      const Real scale = Real(2 * std::int64_t(nodes));
-      const Real t = u * scale - Real(2 * std::int64_t(k) + 1); // exact: u has no more bits than Real
+      scale *= Real(2);
+      const std::int32_t k = last >> (finest - level);
+      const Real t = u * scale - Real(2 * k + 1); // exact: u has no more bits than Real
       node[level + 1] = k;
       weight[level + 1] = t >= Real(0) ? Real(1) - t : Real(1) + t;
       slope[level + 1] = t >= Real(0) ? -scale : scale;

@@ -58,9 +58,12 @@ hbSparseGrid::hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vecto
   }
   for (const hbSubspace& subspace : set_.subspaces()) {
     if (subspace.levels.x != 0) continue;
-    Column column{subspace.levels.y, subspace.levels.z, subspace.nodes.y, {}};
-    for (glm::ivec3 l = subspace.levels; set_.contains(l); ++l.x) column.offsets.push_back(set_.subspace(l).offset);
-    columns_.push_back(std::move(column));
+    const std::size_t first = offsets_.size();
+    for (glm::ivec3 l = subspace.levels; set_.contains(l); ++l.x) offsets_.push_back(set_.subspace(l).offset);
+    const Slots ys = slotsOf(subspace.levels.y, set_.flat().y), zs = slotsOf(subspace.levels.z, set_.flat().z);
+    for (int z = zs.first; z < zs.first + zs.count; ++z)
+      for (int y = ys.first; y < ys.first + ys.count; ++y)
+        rows_.push_back({y, z, std::int32_t(subspace.nodes.y), std::int32_t(offsets_.size() - first), first});
   }
 }
 
@@ -177,27 +180,21 @@ void hbSparseGrid::hats(const glm::dvec3& point, hbHat<Real>& x, hbHat<Real>& y,
   z.evaluate(Real(latticeCoordinate(point.z, 2)), set_.flat().z, set_.finest().z);
 }
 
-// For each (ly,lz) and each of its nodes that matters: the sum over lx, weighted by the hats of y and z. Sums over
-// columns are in 64 bits, for there are hundreds of terms of either sign.
+// Sums over rows are in 64 bits, for there are hundreds of terms of either sign.
 template <class Real>
 Real hbSparseGrid::evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hbHat<Real>& z,
                             const float* surpluses) const {
-  const Slots x0 = slotsOf(0, set_.flat().x);
+  const int boundary = set_.flat().x ? 1 : 2; // nodes of level 0
   double sum = 0.0;
-  for (const Column& column : columns_) {
-    const Slots ys = slotsOf(column.ly, set_.flat().y), zs = slotsOf(column.lz, set_.flat().z);
-    const int levels = int(column.offsets.size());
-    for (int sz = zs.first; sz < zs.first + zs.count; ++sz)
-      for (int sy = ys.first; sy < ys.first + ys.count; ++sy) {
-        const std::int64_t row = z.node[std::size_t(sz)] * column.ny + y.node[std::size_t(sy)];
-        const float* boundary = surpluses + column.offsets[0] + row * x0.count;
-        Real inner = x.weight[0] * Real(boundary[0]);
-        if (x0.count == 2) inner += x.weight[1] * Real(boundary[1]);
-        for (int l = 1; l < levels; ++l)
-          inner += x.weight[std::size_t(l + 1)] *
-                   Real(surpluses[column.offsets[std::size_t(l)] + (row << (l - 1)) + x.node[std::size_t(l + 1)]]);
-        sum += double(y.weight[std::size_t(sy)] * z.weight[std::size_t(sz)] * inner);
-      }
+  for (const Row& row : rows_) {
+    const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.ny + y.node[row.slotY];
+    const std::int64_t* offsets = offsets_.data() + row.firstOffset;
+    const float* ends = surpluses + offsets[0] + line * boundary;
+    Real inner = x.weight[0] * Real(ends[0]);
+    if (boundary == 2) inner += x.weight[1] * Real(ends[1]);
+    for (int l = 1; l < row.levels; ++l)
+      inner += x.weight[l + 1] * Real(surpluses[offsets[l] + (line << (l - 1)) + x.node[l + 1]]);
+    sum += double(y.weight[row.slotY] * z.weight[row.slotZ] * inner);
   }
   return Real(sum);
 }
@@ -205,29 +202,24 @@ Real hbSparseGrid::evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hb
 template <class Real>
 Real hbSparseGrid::evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hbHat<Real>& z, const float* surpluses,
                             glm::vec<3, Real>& gradient) const {
-  const Slots x0 = slotsOf(0, set_.flat().x);
+  const int boundary = set_.flat().x ? 1 : 2;
   double sum = 0.0;
   glm::dvec3 slopes(0.0);
-  for (const Column& column : columns_) {
-    const Slots ys = slotsOf(column.ly, set_.flat().y), zs = slotsOf(column.lz, set_.flat().z);
-    const int levels = int(column.offsets.size());
-    for (int sz = zs.first; sz < zs.first + zs.count; ++sz)
-      for (int sy = ys.first; sy < ys.first + ys.count; ++sy) {
-        const std::int64_t row = z.node[std::size_t(sz)] * column.ny + y.node[std::size_t(sy)];
-        Real inner(0), innerSlope(0);
-        const auto add = [&](int slot, float surplus) {
-          inner += x.weight[std::size_t(slot)] * Real(surplus);
-          innerSlope += x.slope[std::size_t(slot)] * Real(surplus);
-        };
-        for (int s = 0; s < x0.count; ++s) add(s, surpluses[column.offsets[0] + row * x0.count + s]);
-        for (int l = 1; l < levels; ++l)
-          add(l + 1, surpluses[column.offsets[std::size_t(l)] + (row << (l - 1)) + x.node[std::size_t(l + 1)]]);
-        const Real wy = y.weight[std::size_t(sy)], wz = z.weight[std::size_t(sz)];
-        sum += double(wy * wz * inner);
-        slopes.x += double(wy * wz * innerSlope);
-        slopes.y += double(y.slope[std::size_t(sy)] * wz * inner);
-        slopes.z += double(wy * z.slope[std::size_t(sz)] * inner);
-      }
+  for (const Row& row : rows_) {
+    const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.ny + y.node[row.slotY];
+    const std::int64_t* offsets = offsets_.data() + row.firstOffset;
+    Real inner(0), innerSlope(0);
+    const auto add = [&](int slot, float surplus) {
+      inner += x.weight[slot] * Real(surplus);
+      innerSlope += x.slope[slot] * Real(surplus);
+    };
+    for (int s = 0; s < boundary; ++s) add(s, surpluses[offsets[0] + line * boundary + s]);
+    for (int l = 1; l < row.levels; ++l) add(l + 1, surpluses[offsets[l] + (line << (l - 1)) + x.node[l + 1]]);
+    const Real wy = y.weight[row.slotY], wz = z.weight[row.slotZ];
+    sum += double(wy * wz * inner);
+    slopes.x += double(wy * wz * innerSlope);
+    slopes.y += double(y.slope[row.slotY] * wz * inner);
+    slopes.z += double(wy * z.slope[row.slotZ] * inner);
   }
   gradient = glm::vec<3, Real>(slopes * scale_);
   return Real(sum);
@@ -286,19 +278,15 @@ void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> y
 
   const auto contract = [&](const hbHat<double>& y, const hbHat<double>& z) {
     for (auto& row : rows) std::fill(row.begin(), row.end(), 0.0);
-    for (const Column& column : columns_) {
-      const Slots sy = slotsOf(column.ly, set_.flat().y), sz = slotsOf(column.lz, set_.flat().z);
-      for (int k = sz.first; k < sz.first + sz.count; ++k)
-        for (int j = sy.first; j < sy.first + sy.count; ++j) {
-          const double weight = y.weight[std::size_t(j)] * z.weight[std::size_t(k)];
-          if (weight == 0.0) continue;
-          const std::int64_t place = z.node[std::size_t(k)] * column.ny + y.node[std::size_t(j)];
-          for (std::size_t l = 0; l < column.offsets.size(); ++l) {
-            const std::size_t count = rows[l].size();
-            const float* from = stored + column.offsets[l] + place * std::int64_t(count);
-            for (std::size_t i = 0; i < count; ++i) rows[l][i] += weight * double(from[i]);
-          }
-        }
+    for (const Row& row : rows_) {
+      const double weight = y.weight[row.slotY] * z.weight[row.slotZ];
+      if (weight == 0.0) continue;
+      const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.ny + y.node[row.slotY];
+      for (int l = 0; l < row.levels; ++l) {
+        std::vector<double>& to = rows[std::size_t(l)];
+        const float* from = stored + offsets_[row.firstOffset + std::size_t(l)] + line * std::int64_t(to.size());
+        for (std::size_t i = 0; i < to.size(); ++i) to[i] += weight * double(from[i]);
+      }
     }
   };
   for (std::size_t k = 0; k < zs.size(); ++k)
@@ -308,8 +296,7 @@ void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> y
       for (std::size_t i = 0; i < xs.size(); ++i) {
         const hbHat<double>& x = hatsX[i];
         double sum = x.weight[0] * rows[0][0] + (flat ? 0.0 : x.weight[1] * rows[0][1]);
-        for (int l = 1; l <= finest; ++l)
-          sum += x.weight[std::size_t(l + 1)] * rows[std::size_t(l)][std::size_t(x.node[std::size_t(l + 1)])];
+        for (int l = 1; l <= finest; ++l) sum += x.weight[l + 1] * rows[std::size_t(l)][std::size_t(x.node[l + 1])];
         row[i] = float(sum);
       }
     }
@@ -329,8 +316,8 @@ hbRange hbSparseGrid::range(const hbBox& box, int component) const {
       hbHat<double> from, to;
       from.evaluate(latticeCoordinate(box.lo[d], d), false, subspace.levels[d]);
       to.evaluate(latticeCoordinate(box.hi[d], d), false, subspace.levels[d]);
-      first[d] = from.node[std::size_t(subspace.levels[d] + 1)];
-      last[d] = to.node[std::size_t(subspace.levels[d] + 1)];
+      first[d] = from.node[subspace.levels[d] + 1];
+      last[d] = to.node[subspace.levels[d] + 1];
     }
     const auto stored = surpluses(subspace, component);
     double least = convex ? std::numeric_limits<double>::infinity() : 0.0, greatest = -least;

@@ -93,11 +93,13 @@ public:
 private:
   hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vector<std::vector<float>> surpluses);
 
-  /// All subspaces with one (ly,lz): where the arrays of lx = 0, 1, ... begin.
-  struct Column {
-    int ly = 0, lz = 0;
-    std::int64_t ny = 1;
-    std::vector<std::int64_t> offsets;
+  /// One y and one z slot (see hbHat) and the arrays of lx = 0, 1, ... that belong to their levels: at a point, each
+  /// row contributes the sum over lx of one value an array, weighted by the hats of y and z.
+  struct Row {
+    std::int32_t slotY = 0, slotZ = 0;
+    std::int32_t ny = 1;         ///< Nodes along y of its subspaces.
+    std::int32_t levels = 0;     ///< Of x, level 0 included.
+    std::size_t firstOffset = 0; ///< Into offsets_: where the array of lx = 0 begins; then lx = 1 and so on.
   };
   template <class Real>
   Real evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hbHat<Real>& z, const float* surpluses) const;
@@ -112,5 +114,6 @@ private:
   hbIndexSet set_;
   std::vector<std::vector<float>> surpluses_; ///< One array a component.
   glm::dvec3 scale_{1.0};
-  std::vector<Column> columns_;
+  std::vector<Row> rows_;
+  std::vector<std::int64_t> offsets_;
 };

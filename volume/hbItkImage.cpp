@@ -1,6 +1,9 @@
 #include "volume/hbItkImage.h"
 
-#include <algorithm>
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
 #include <iostream>
 #include <limits>
 #include <mutex>
@@ -9,7 +12,6 @@
 
 #include <fmt/format.h>
 #include <itkGDCMImageIO.h>
-#include <itkGDCMSeriesFileNames.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
@@ -25,12 +27,23 @@ namespace {
 
 std::mutex itkMutex;
 
+/// The first of libtiff's complaints that concern the file's end; it reads on without what is missing.
+std::string tiffComplaint;
+
+__attribute__((format(printf, 2, 0))) void keepTiffComplaint(const char* /*module*/, const char* format,
+                                                             va_list arguments) {
+  std::array<char, 256> text{};
+  std::vsnprintf(text.data(), text.size(), format, arguments);
+  if (tiffComplaint.empty() && std::strstr(text.data(), "IO error") != nullptr) tiffComplaint = text.data();
+}
+
 /// Holds the mutex and keeps the libraries quiet: they print to std::cerr, libtiff through its handlers.
 class Quiet {
 public:
   Quiet()
       : lock_(itkMutex), cerr_(std::cerr.rdbuf(dropped_.rdbuf())), tiffError_(TIFFSetErrorHandler(nullptr)),
-        tiffWarning_(TIFFSetWarningHandler(nullptr)) {
+        tiffWarning_(TIFFSetWarningHandler(keepTiffComplaint)) {
+    tiffComplaint.clear();
     itk::Object::SetGlobalWarningDisplay(false);
   }
   ~Quiet() {
@@ -62,7 +75,9 @@ std::string reason(const itk::ExceptionObject& exception) {
       stacked = true;
       if (const auto end = line.find(": "); end != std::string::npos) line.erase(0, end + 2);
     }
-    text = stacked || text.empty() ? line : text + "; " + line;
+    if (stacked) text.clear();
+    if (!text.empty()) text += "; ";
+    text += line;
   }
   return text;
 }
@@ -183,21 +198,6 @@ void hbItkImage::read(std::byte* out) {
   });
 }
 
-std::vector<hb::DicomSeries> hb::findDicomSeries(const fs::path& folder) {
-  return guarded(folder, [&] {
-    const auto names = itk::GDCMSeriesFileNames::New();
-    names->SetUseSeriesDetails(true);
-    names->SetInputDirectory(folder.string());
-    std::vector<DicomSeries> result;
-    const std::vector<std::string> uids = names->GetSeriesUIDs(); // a copy: GetFileNames() changes the original
-    for (const std::string& uid : uids) {
-      const std::vector<std::string> files = names->GetFileNames(uid);
-      result.push_back({uid, {files.begin(), files.end()}});
-    }
-    return result;
-  });
-}
-
 hb::TiffPages hb::checkTiff(const fs::path& path) {
   return guarded(path, [&] {
     const std::unique_ptr<TIFF, void (*)(TIFF*)> tiff(TIFFOpen(path.c_str(), "r"), TIFFClose);
@@ -232,6 +232,7 @@ hb::TiffPages hb::checkTiff(const fs::path& path) {
       result.compressed = result.compressed || compression != COMPRESSION_NONE;
       ++result.pages;
     } while (TIFFReadDirectory(tiff.get()) != 0);
+    if (!tiffComplaint.empty()) throw hbError(fmt::format("{}: cannot be read: {}", path.string(), tiffComplaint));
     return result;
   });
 }

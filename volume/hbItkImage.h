@@ -58,14 +58,6 @@ private:
 
 namespace hb {
 
-/// The DICOM series of a folder (not of those inside it): the UID, made unique by ITK with what tells its parts apart,
-/// and the files in the order of their position.
-struct DicomSeries {
-  std::string uid;
-  std::vector<std::filesystem::path> files;
-};
-std::vector<DicomSeries> findDicomSeries(const std::filesystem::path& folder);
-
 /// What all pages of a TIFF file share, and how many there are.
 struct TiffPages {
   std::int64_t pages = 0;

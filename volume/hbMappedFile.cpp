@@ -11,11 +11,28 @@
 
 #include "volume/hbError.h"
 
+namespace {
+
+/// The deleter of a mapping, and so what tells one from other shared bytes (see std::get_deleter).
+struct Unmap {
+  void* address;
+  std::size_t length;
+  void operator()(const std::byte*) const { ::munmap(address, length); }
+};
+
+/// Advice about the mapping that `bytes` share, whatever part of it they point to.
+void advise(const std::shared_ptr<const std::byte>& bytes, int advice) {
+  if (const auto* mapping = std::get_deleter<Unmap>(bytes)) ::madvise(mapping->address, mapping->length, advice);
+}
+
+} // namespace
+
 std::shared_ptr<const std::byte> hb::mapFile(const std::filesystem::path& path, std::uint64_t& size) {
   const auto fail = [&] {
     return hbError(fmt::format("{}: cannot be read: {}", path.string(), std::generic_category().message(errno)));
   };
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // O_NONBLOCK: a named pipe is refused below instead of waited for.
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) throw fail();
   const std::shared_ptr<const int> closer(&file, [](const int* f) { ::close(*f); });
   struct stat status {};
@@ -28,6 +45,9 @@ std::shared_ptr<const std::byte> hb::mapFile(const std::filesystem::path& path, 
   if (size == 0) return {std::shared_ptr<const void>(), &kNothing};
   void* address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
   if (address == MAP_FAILED) throw fail();
-  return {static_cast<const std::byte*>(address),
-          [length = size](const std::byte* p) { ::munmap(const_cast<std::byte*>(p), length); }};
+  return {static_cast<const std::byte*>(address), Unmap{address, size}};
 }
+
+void hb::adviseScatteredReads(const std::shared_ptr<const std::byte>& bytes) { advise(bytes, MADV_RANDOM); }
+
+void hb::releasePages(const std::shared_ptr<const std::byte>& bytes) { advise(bytes, MADV_DONTNEED); }

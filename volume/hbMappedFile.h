@@ -14,4 +14,12 @@ namespace hb {
 /// is mapped ends the process with SIGBUS: map inputs, not files being written.
 std::shared_ptr<const std::byte> mapFile(const std::filesystem::path& path, std::uint64_t& size);
 
+/// Tells the system that the bytes of a mapping will be read here and there, so that it reads no neighbours ahead. No
+/// effect on bytes that mapFile() did not map. O(1).
+void adviseScatteredReads(const std::shared_ptr<const std::byte>& bytes);
+
+/// Gives the pages of a mapping that were read so far back to the system; they are read again when they are touched. No
+/// effect on bytes that mapFile() did not map.
+void releasePages(const std::shared_ptr<const std::byte>& bytes);
+
 } // namespace hb

@@ -111,7 +111,7 @@ Fields readFields(const fs::path& path, std::string_view& text, std::vector<fs::
 }
 
 std::string encodingOf(const fs::path& path, const std::string& name) {
-  const std::string lower = hb::lowered(name);
+  std::string lower = hb::lowered(name);
   if (lower == "raw" || lower == "hex") return lower;
   if (lower == "gz" || lower == "gzip") return "gzip";
   if (lower == "bz2" || lower == "bzip2") return "bzip2";

@@ -60,6 +60,11 @@ public:
   /// The data values of the samples (x0 + i, y, z), i < out.size(), in 64 bits.
   void row(std::int64_t x0, std::int64_t y, std::int64_t z, int component, std::span<double> out) const;
 
+  /// For a volume in a mapped file: expect reads here and there, not from front to back (see hb::adviseScatteredReads).
+  void adviseScatteredReads() const;
+  /// For a volume in a mapped file: forget what was read, so that it does not stay in memory (see hb::releasePages).
+  void releasePages() const;
+
   /// How 32-bit floats should stand for the data values (see hbValueMap): the identity, except for wide types
   /// (int32, uint32, float64) whose values a float would confuse. Looks at up to 2^16 samples spread over the volume.
   hbValueMap chooseValueMap() const;

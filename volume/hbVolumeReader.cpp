@@ -4,13 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <new>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
+#include <zlib.h>
 
+#include "volume/hbDicomHeader.h"
 #include "volume/hbError.h"
 #include "volume/hbHeaderText.h"
 #include "volume/hbItkImage.h"
@@ -103,13 +106,12 @@ hbGeometry geometryOf(const fs::path& path, const hbItkImage& image, std::string
   return g;
 }
 
-/// Integers of 64 bits as int32 or uint32, where they fit.
-template <class Wide, class Narrow>
+/// Integers of 64 bits, packed, as int32 or uint32, where they fit.
+template <class Wide, class Narrow, bool Swapped>
 hbVolume narrowed(const fs::path& path, const hbGeometry& geometry, int components, const std::byte* data) {
   std::vector<Narrow> samples(std::size_t(geometry.samples() * components));
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    Wide value;
-    std::memcpy(&value, data + i * sizeof value, sizeof value);
+    const auto value = hb::loadSample<Wide, Swapped>(data + i * sizeof(Wide));
     samples[i] = Narrow(value);
     if (Wide(samples[i]) != value)
       throw hbError(
@@ -118,29 +120,71 @@ hbVolume narrowed(const fs::path& path, const hbGeometry& geometry, int componen
   return hbVolume::fromSamples(geometry, std::move(samples), components);
 }
 
+/// The volume of an image's samples, which lie packed in `data`.
+hbVolume packedVolume(const fs::path& path, const hbItkImage& image, const hbGeometry& geometry,
+                      const std::shared_ptr<const std::byte>& data, bool swapped) {
+  const int components = image.components();
+  if (image.type()) {
+    hbVolume::Layout layout = hbVolume::Layout::packed(geometry.size, components);
+    layout.byteSwapped = swapped && image.componentBytes() > 1;
+    return hbVolume(geometry, *image.type(), components, data, layout);
+  }
+  const auto narrow =
+      image.isUnsigned()
+          ? (swapped ? narrowed<std::uint64_t, std::uint32_t, true> : narrowed<std::uint64_t, std::uint32_t, false>)
+          : (swapped ? narrowed<std::int64_t, std::int32_t, true> : narrowed<std::int64_t, std::int32_t, false>);
+  return narrow(path, geometry, components, data.get());
+}
+
 /// Reads the samples through ITK; the file is known to be large enough for them.
 hbVolume decode(const fs::path& path, hbItkImage& image, const hbGeometry& geometry, const hbReadOptions& options,
                 hbProgress& progress) {
-  const int components = image.components();
-  const std::uint64_t bytes = bytesOf(geometry.samples(), components, image.componentBytes());
+  const std::uint64_t bytes = bytesOf(geometry.samples(), image.components(), image.componentBytes());
   const std::shared_ptr<std::byte> data = allocate(path, bytes, options);
   progress.begin("reading", std::int64_t(bytes), "bytes");
   progress.advance(0);
   image.read(data.get());
   progress.advance(std::int64_t(bytes));
-  if (image.type())
-    return hbVolume(geometry, *image.type(), components, data, hbVolume::Layout::packed(geometry.size, components));
-  return image.isUnsigned() ? narrowed<std::uint64_t, std::uint32_t>(path, geometry, components, data.get())
-                            : narrowed<std::int64_t, std::int32_t>(path, geometry, components, data.get());
+  return packedVolume(path, image, geometry, data, false);
 }
 
-/// The samples of a file as they lie from `offset` on.
-hbVolume mapped(const fs::path& path, std::uint64_t offset, const hbGeometry& geometry, hbSampleType type,
-                int components, const hbVolume::Layout& layout) {
+/// Maps a file from `offset` on, where it must have `bytes`.
+std::shared_ptr<const std::byte> mappedBytes(const fs::path& path, std::uint64_t offset, std::uint64_t bytes) {
   std::uint64_t size = 0;
   const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
-  requireFile(path, bytesOf(geometry.samples(), components, hb::sampleBytes(type)), size - std::min(size, offset));
-  return hbVolume(geometry, type, components, {file, file.get() + offset}, layout);
+  requireFile(path, bytes, size - std::min(size, offset));
+  return {file, file.get() + offset};
+}
+
+/// Inflates `bytes` bytes from a zlib or gzip stream that starts at `offset`. (MetaIO would not notice its end.)
+std::shared_ptr<const std::byte> inflated(const fs::path& path, std::uint64_t offset, std::uint64_t bytes,
+                                          const hbReadOptions& options, hbProgress& progress) {
+  std::uint64_t size = 0;
+  const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
+  const std::shared_ptr<std::byte> data = allocate(path, bytes, options);
+  progress.begin("reading", std::int64_t(bytes), "bytes");
+  z_stream stream{};
+  inflateInit2(&stream, 15 + 32); // 32: either header
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> closer(&stream, inflateEnd);
+  // zlib counts in 32 bits: pieces of a size that lets progress show, too.
+  constexpr std::uint64_t kPiece = 1 << 24;
+  std::uint64_t read = std::min(offset, size), written = 0;
+  int status = Z_OK;
+  while (written < bytes && status == Z_OK) {
+    const auto in = uInt(std::min(kPiece, size - read)), out = uInt(std::min(kPiece, bytes - written));
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(file.get() + read));
+    stream.avail_in = in;
+    stream.next_out = reinterpret_cast<Bytef*>(data.get() + written);
+    stream.avail_out = out;
+    status = inflate(&stream, Z_NO_FLUSH);
+    read += in - stream.avail_in;
+    written += out - stream.avail_out;
+    progress.advance(std::int64_t(out - stream.avail_out));
+  }
+  if (written < bytes)
+    throw hbError(fmt::format("{}: expected {} bytes of compressed samples, found {} and then {}", path.string(), bytes,
+                              written, status == Z_STREAM_END || status == Z_BUF_ERROR ? "the end" : "damage"));
+  return data;
 }
 
 /// The offset of the samples in a file where they start `skip` bytes after `start`, or are its end (skip -1).
@@ -158,10 +202,7 @@ std::uint64_t skipLines(const fs::path& path, std::uint64_t offset, std::int64_t
   const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
   const std::byte* const end = file.get() + size;
   const std::byte* at = file.get() + std::min(offset, size);
-  for (; lines > 0; --lines) {
-    at = std::find(at, end, std::byte{'\n'});
-    if (at++ == end) throw hbError(fmt::format("{}: expected {} more lines to skip, found none", path.string(), lines));
-  }
+  for (; lines > 0 && at != end; --lines) at = std::min(std::find(at, end, std::byte{'\n'}) + 1, end);
   return std::uint64_t(at - file.get());
 }
 
@@ -211,7 +252,7 @@ hbVolume readNrrd(const fs::path& path, const hbReadOptions& options, hbProgress
     step *= header.sizes[a];
   }
   const std::uint64_t offset = offsetOf(file, start, header.byteSkip, bytes);
-  return finish(mapped(file, offset, geometry, *image.type(), image.components(), layout));
+  return finish(hbVolume(geometry, *image.type(), image.components(), mappedBytes(file, offset, bytes), layout));
 }
 
 hbVolume readMetaImage(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
@@ -240,44 +281,91 @@ hbVolume readMetaImage(const fs::path& path, const hbReadOptions& options, hbPro
     requireRatio(path, bytes, stored, kDeflateRatio);
   else
     requireFile(path, bytes, stored);
-  if (header.compressed || header.files.size() > 1 || !image.type())
+  if (header.files.size() > 1) {
+    if (header.compressed)
+      throw hbError(fmt::format("{}: expected compressed samples in one file, found a list of {}", path.string(),
+                                header.files.size()));
+    for (const fs::path& file : header.files) requireFile(file, bytes / header.files.size(), fileSize(file));
     return decode(path, image, geometry, options, progress);
-  const fs::path& file = header.files.empty() ? path : header.files[0];
-  const std::uint64_t offset = header.files.empty() ? header.dataOffset : offsetOf(file, 0, header.headerSize, bytes);
-  hbVolume::Layout layout = hbVolume::Layout::packed(geometry.size, image.components());
-  layout.byteSwapped = header.bigEndian && image.componentBytes() > 1;
-  return mapped(file, offset, geometry, *image.type(), image.components(), layout);
+  }
+  const bool local = header.files.empty();
+  const fs::path& file = local ? path : header.files[0];
+  std::uint64_t offset = header.dataOffset;
+  if (!local)
+    offset =
+        offsetOf(file, 0, header.compressed ? std::max<std::int64_t>(0, header.headerSize) : header.headerSize, bytes);
+  const auto data =
+      header.compressed ? inflated(file, offset, bytes, options, progress) : mappedBytes(file, offset, bytes);
+  return packedVolume(path, image, geometry, data, header.bigEndian);
+}
+
+/// The whole of a gzip file is inflated once to learn its length, and that it is complete: niftilib takes what is
+/// missing for zeros. `start` receives the first bytes.
+std::uint64_t inflatedSize(const fs::path& path, std::vector<std::byte>& start) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
+  std::vector<std::byte> chunk(std::size_t{1} << 18);
+  const std::size_t wanted = start.size();
+  start.clear();
+  std::uint64_t size = 0;
+  int read = -1;
+  while (file && (read = gzread(file.get(), chunk.data(), unsigned(chunk.size()))) > 0) {
+    const std::size_t missing = std::min(wanted - start.size(), std::size_t(read));
+    start.insert(start.end(), chunk.begin(), chunk.begin() + std::ptrdiff_t(missing));
+    size += std::uint64_t(read);
+  }
+  int status = Z_OK;
+  const char* reason = file ? gzerror(file.get(), &status) : "cannot be opened";
+  if (read < 0 || status < 0) throw hbError(fmt::format("{}: cannot be read: gzip: {}", path.string(), reason));
+  return size;
 }
 
 hbVolume readNifti(const fs::path& path, bool compressed, const hbReadOptions& options, hbProgress& progress) {
-  hbItkImage image(Format::nifti, path);
-  const hbGeometry geometry = geometryOf(path, image, kLps);
-  const std::uint64_t size = fileSize(path);
+  // What the file itself holds, as ITK's types differ where a slope makes floats.
+  // https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h
+  constexpr std::size_t kHeader = 348, kDims = 40, kBits = 72, kSpacings = 80, kOffset = 108, kQform = 252,
+                        kSform = 254, kQuaternion = 256, kRows = 280;
+  std::vector<std::byte> header(kHeader);
+  std::uint64_t size = 0;
   if (compressed) {
-    requireRatio(path, bytesOf(geometry.samples(), image.components(), 1), size, kDeflateRatio);
+    size = inflatedSize(path, header);
   } else {
-    // Bits a sample in the file, which differ from ITK's where a slope makes floats; and the place of the samples.
-    // https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h
-    constexpr std::size_t kHeader = 348, kDims = 40, kBits = 72, kOffset = 108;
-    std::uint64_t length = 0;
-    const std::shared_ptr<const std::byte> file = hb::mapFile(path, length);
-    requireFile(path, kHeader, length);
-    const bool swapped = hb::loadSample<std::int32_t, false>(file.get()) != std::int32_t(kHeader);
-    const auto int16 = [&](std::size_t at) {
-      return swapped ? hb::loadSample<std::int16_t, true>(file.get() + at)
-                     : hb::loadSample<std::int16_t, false>(file.get() + at);
-    };
-    const float start = swapped ? hb::loadSample<float, true>(file.get() + kOffset)
-                                : hb::loadSample<float, false>(file.get() + kOffset);
-    std::vector<std::int64_t> dims;
-    for (int d = 1; d <= std::clamp<int>(int16(kDims), 0, 7); ++d)
-      dims.push_back(std::max<std::int64_t>(1, int16(kDims + 2 * std::size_t(d))));
-    const std::int64_t samples = hb::productOf(dims).value_or(std::int64_t{1} << 60);
-    const auto offset = start >= 0.0F && start < 1e15F ? std::uint64_t(start) : std::uint64_t{0};
-    requireFile(path, bytesOf(samples, 1, std::size_t(std::max<int>(8, int16(kBits))) / 8),
-                length - std::min(length, offset));
+    const std::shared_ptr<const std::byte> file = hb::mapFile(path, size);
+    header.assign(file.get(), file.get() + std::min<std::uint64_t>(size, kHeader));
   }
-  return decode(path, image, geometry, options, progress);
+  if (header.size() < kHeader)
+    throw hbError(fmt::format("{}: expected a NIfTI header of {} bytes, found {}", path.string(), kHeader, size));
+  const bool swapped = hb::loadSample<std::int32_t, false>(header.data()) != std::int32_t(kHeader);
+  const auto int16 = [&](std::size_t at) {
+    return swapped ? hb::loadSample<std::int16_t, true>(header.data() + at)
+                   : hb::loadSample<std::int16_t, false>(header.data() + at);
+  };
+  const auto float32 = [&](std::size_t at) {
+    return swapped ? hb::loadSample<float, true>(header.data() + at) : hb::loadSample<float, false>(header.data() + at);
+  };
+  std::vector<std::int64_t> dims;
+  for (int d = 1; d <= std::clamp<int>(int16(kDims), 1, 7); ++d) dims.push_back(int16(kDims + 2 * std::size_t(d)));
+  const std::optional<std::int64_t> samples = hb::productOf(dims);
+  if (!samples)
+    throw hbError(fmt::format("{}: expected at least one sample along each axis and fewer than 2^60 in all, found {}",
+                              path.string(), hb::sizesText(dims)));
+  // Coordinates that are not finite, or nearly so, send ITK into endless loops.
+  const auto requireCoordinates = [&](std::size_t at, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (const float value = float32(at + 4 * i); !(std::abs(value) < 1e15F))
+        throw hbError(
+            fmt::format("{}: byte {}: expected coordinates below 1e15, found {}", path.string(), at + 4 * i, value));
+  };
+  requireCoordinates(kSpacings, std::min<std::size_t>(3, dims.size()));
+  if (int16(kQform) > 0) requireCoordinates(kQuaternion, 6);
+  if (int16(kSform) > 0) requireCoordinates(kRows, 12);
+  const float start = float32(kOffset);
+  if (!(start >= 0.0F && start < 0x1p62F))
+    throw hbError(fmt::format("{}: expected samples after the header, found them at byte {}", path.string(), start));
+  requireFile(path, bytesOf(*samples, 1, std::size_t(std::max<int>(8, int16(kBits))) / 8),
+              size - std::min(size, std::uint64_t(start)));
+
+  hbItkImage image(Format::nifti, path);
+  return decode(path, image, geometryOf(path, image, kLps), options, progress);
 }
 
 hbVolume readTiff(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
@@ -313,28 +401,67 @@ hbVolume readVtk(const fs::path& path, const hbReadOptions& options, hbProgress&
   return volume;
 }
 
-/// One DICOM file, of one slice or several frames.
-hbVolume readDicomFile(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
-  hbItkImage image(Format::dicom, path);
-  const hbGeometry geometry = geometryOf(path, image, kLps);
-  requireRatio(path, bytesOf(geometry.samples(), image.components(), image.componentBytes()), fileSize(path),
-               kAnyRatio);
-  return decode(path, image, geometry, options, progress);
+/// A DICOM file as ITK may see it: whole, and not far more than its bytes can hold.
+hbDicomHeader checkDicom(const fs::path& path) {
+  hbDicomHeader header = hb::readDicomHeader(path);
+  requireRatio(path, header.decodedBytes(), header.pixelBytes, kAnyRatio);
+  return header;
 }
 
-/// The files of the series that the options choose, or of the only one.
+/// One DICOM file, of one slice or several frames.
+hbVolume readDicomFile(const fs::path& path, const hbReadOptions& options, hbProgress& progress) {
+  checkDicom(path);
+  hbItkImage image(Format::dicom, path);
+  return decode(path, image, geometryOf(path, image, kLps), options, progress);
+}
+
+/// A slice and where it lies along the normal of its series.
+struct Slice {
+  fs::path file;
+  double place = 0.0;
+};
+
+/// The slices of a folder (not of those inside it), by series: its UID, with the size and orientation of the slices,
+/// as series mix them.
+std::map<std::string, std::vector<Slice>> findSeries(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code failed;
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+    if (at->is_regular_file()) files.push_back(at->path());
+  if (failed) throw hbError(fmt::format("{}: cannot be read: {}", folder.string(), failed.message()));
+  std::sort(files.begin(), files.end());
+
+  std::map<std::string, std::vector<Slice>> series;
+  for (const fs::path& file : files) {
+    if (!hb::isDicom(file) || file.filename() == "DICOMDIR") continue;
+    const hbDicomHeader h = checkDicom(file);
+    const std::string name =
+        fmt::format("{} ({} x {}, rows ({:.3f},{:.3f},{:.3f}), columns ({:.3f},{:.3f},{:.3f}))", h.series, h.columns,
+                    h.rows, h.row.x, h.row.y, h.row.z, h.column.x, h.column.y, h.column.z);
+    series[name].push_back({file, glm::dot(h.position, glm::cross(h.row, h.column))});
+  }
+  for (auto& [name, slices] : series)
+    std::stable_sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.place < b.place; });
+  return series;
+}
+
+/// The files of the series that the options choose, or of the only one, in the order of their places.
 std::vector<fs::path> chooseSeries(const fs::path& folder, const std::string& wanted) {
-  std::vector<hb::DicomSeries> series = hb::findDicomSeries(folder);
+  const auto series = findSeries(folder);
   if (series.empty())
     throw hbError(fmt::format("{}: expected a folder with DICOM slices, found none", folder.string()));
-  std::vector<std::string> uids;
-  for (const hb::DicomSeries& s : series) uids.push_back(s.uid);
-  if (!wanted.empty()) std::erase_if(series, [&](const hb::DicomSeries& s) { return !s.uid.starts_with(wanted); });
-  if (series.size() != 1)
+  std::vector<std::string> all, matching;
+  for (const auto& [name, slices] : series) {
+    all.push_back(name);
+    if (name.starts_with(wanted)) matching.push_back(name);
+  }
+  if (matching.size() != 1)
     throw hbError(fmt::format("{}: expected one DICOM series{}, found {}; choose one of {}", folder.string(),
-                              wanted.empty() ? "" : fmt::format(" that starts with '{}'", wanted), series.size(),
-                              fmt::join(uids, ", ")));
-  return series[0].files;
+                              wanted.empty() ? "" : fmt::format(" that starts with '{}'", wanted), matching.size(),
+                              fmt::join(all, ", ")));
+  std::vector<fs::path> files;
+  for (const Slice& slice : series.at(matching[0])) files.push_back(slice.file);
+  return files;
 }
 
 hbVolume readDicomFolder(const fs::path& folder, const hbReadOptions& options, hbProgress& progress) {
@@ -357,7 +484,6 @@ hbVolume readDicomFolder(const fs::path& folder, const hbReadOptions& options, h
   geometry.direction[2] = step / geometry.spacing.z;
   geometry.validate(folder.string());
 
-  requireRatio(folder, bytesOf(count, 1, sliceBytes), totalSize(files), kAnyRatio);
   const std::shared_ptr<std::byte> data = allocate(folder, bytesOf(count, 1, sliceBytes), options);
   progress.begin("reading", count, "slices");
   for (std::int64_t k = 0; k < count; ++k) {
