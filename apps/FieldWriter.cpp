@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <oneapi/tbb/parallel_for.h>
-
+#include "volume/hbParallel.h"
 #include "volume/hbVolumeStream.h"
 
 namespace {
@@ -29,7 +28,7 @@ void writeSamples(const hbField& field, const hbSize3& size, hbVolumeStream& str
   progress.begin("writing", size.x * size.y * size.z, "samples");
   for (const double& z : zs) {
     for (std::size_t c = 0; c < components; ++c) {
-      tbb::parallel_for(std::int64_t{0}, strips, [&](std::int64_t strip) {
+      hb::parallelFor(strips, [&](std::int64_t strip) {
         const std::int64_t y = strip * kRows, count = std::min(kRows, size.y - y);
         field.lattice(xs, {ys.data() + y, std::size_t(count)}, {&z, 1}, int(c), values.data() + y * size.x,
                       std::size_t(size.x), 0);

@@ -11,11 +11,10 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
-#include <oneapi/tbb/blocked_range2d.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include "raycast/hbRaySegment.h"
 #include "volume/hbError.h"
+#include "volume/hbParallel.h"
 
 namespace {
 
@@ -288,17 +287,15 @@ hbPicture hbRaycaster::render(hbProgress& progress) const {
   const Frame frame(field_, scene_, picture);
   progress.begin("ray casting", std::int64_t(scene_.width) * scene_.height, "pixels");
   const int rows = (scene_.height + kTile - 1) / kTile, columns = (scene_.width + kTile - 1) / kTile;
-  tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 1), [&](const tbb::blocked_range2d<int>& range) {
-    for (int row = range.rows().begin(); row < range.rows().end(); ++row)
-      for (int column = range.cols().begin(); column < range.cols().end(); ++column) {
-        Tile tile(frame);
-        const int x1 = std::min(scene_.width, (column + 1) * kTile), y1 = std::min(scene_.height, (row + 1) * kTile);
-        for (int y = row * kTile; y < y1; ++y) {
-          for (int x = column * kTile; x < x1; ++x) tile.pixel(x, y);
-          progress.advance(x1 - column * kTile);
-        }
-        tile.finish();
-      }
+  hb::parallelFor(std::int64_t(rows) * columns, [&](std::int64_t index) {
+    const int row = int(index / columns), column = int(index % columns);
+    Tile tile(frame);
+    const int x1 = std::min(scene_.width, (column + 1) * kTile), y1 = std::min(scene_.height, (row + 1) * kTile);
+    for (int y = row * kTile; y < y1; ++y) {
+      for (int x = column * kTile; x < x1; ++x) tile.pixel(x, y);
+      progress.advance(x1 - column * kTile);
+    }
+    tile.finish();
   });
   return picture;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <oneapi/tbb/parallel_for.h>
+#include "volume/hbParallel.h"
 
 hbHistogram hb::fieldHistogram(const hbField& field, int component, hbProgress& progress) {
   constexpr std::int64_t kPoints = 64;
@@ -17,7 +17,8 @@ hbHistogram hb::fieldHistogram(const hbField& field, int component, hbProgress& 
   const std::size_t slice = xs.size() * ys.size();
   std::vector<float> values(slice * zs.size());
   progress.begin("sampling the histogram", std::int64_t(zs.size()), "slices");
-  tbb::parallel_for(std::size_t{0}, zs.size(), [&](std::size_t k) {
+  hb::parallelFor(std::int64_t(zs.size()), [&](std::int64_t index) {
+    const auto k = std::size_t(index);
     field.lattice(xs, ys, {&zs[k], 1}, component, values.data() + k * slice, xs.size(), slice);
     progress.advance(1);
   });

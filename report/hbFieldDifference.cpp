@@ -7,14 +7,14 @@
 #include <random>
 #include <vector>
 
-#include <oneapi/tbb/parallel_for.h>
+#include "volume/hbParallel.h"
 
 namespace {
 
 /// Runs part(i) for i < count on all threads and merges the outcomes in order.
 hbErrorStatistics inParts(std::int64_t count, const std::function<hbErrorStatistics(std::int64_t)>& part) {
   std::vector<hbErrorStatistics> parts(static_cast<std::size_t>(count));
-  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) { parts[std::size_t(i)] = part(i); });
+  hb::parallelFor(count, [&](std::int64_t i) { parts[std::size_t(i)] = part(i); });
   hbErrorStatistics sum;
   for (const hbErrorStatistics& one : parts) sum.merge(one);
   return sum;

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "volume/hbError.h"
+#include "volume/hbParallel.h"
 
 namespace {
 
@@ -48,7 +48,7 @@ hbErrorStatistics hb::volumeDifference(const hbVolume& a, const hbVolume& b, int
   const auto firstRow = [&](std::int64_t s) { return rows / slabs * s + std::min(s, rows % slabs); };
   std::vector<hbErrorStatistics> parts(std::size_t(slabs), hbErrorStatistics{});
   progress.begin("comparing", rows, "rows");
-  tbb::parallel_for(std::int64_t{0}, slabs, [&](std::int64_t s) {
+  hb::parallelFor(slabs, [&](std::int64_t s) {
     std::vector<double> buffer(std::size_t(2 * std::min(kPiece, size.x)));
     for (std::int64_t row = firstRow(s); row < firstRow(s + 1); ++row)
       parts[std::size_t(s)].merge(rowDifference(a, b, row, component, buffer));

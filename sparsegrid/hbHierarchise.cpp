@@ -3,7 +3,7 @@
 #include <cassert>
 #include <vector>
 
-#include <oneapi/tbb/parallel_for.h>
+#include "volume/hbParallel.h"
 
 #include "volume/hbError.h"
 
@@ -55,7 +55,7 @@ template <class Sweep>
 void forEachGroup(const hbIndexSet& set, int axis, Sweep sweep) {
   if (set.flat()[axis]) return;
   const std::vector<LineGroup> groups = lineGroups(set, axis);
-  tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t g) { sweep(groups[g]); });
+  hb::parallelFor(std::int64_t(groups.size()), [&](std::int64_t g) { sweep(groups[std::size_t(g)]); });
 }
 
 } // namespace

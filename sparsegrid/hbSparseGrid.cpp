@@ -6,11 +6,11 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include "sparsegrid/hbHierarchise.h"
 #include "sparsegrid/hbNodeSampler.h"
 #include "volume/hbError.h"
+#include "volume/hbParallel.h"
 
 namespace {
 
@@ -87,8 +87,8 @@ hbSparseGrid hbSparseGrid::interpolate(const hbField& source, const hbIndexSet& 
   progress.begin("reading nodes", set.storedValues() * source.components(), "nodes");
   for (int component = 0; component < source.components(); ++component) {
     std::vector<double> values(static_cast<std::size_t>(set.storedValues()));
-    tbb::parallel_for(std::size_t{0}, slabs.size(), [&](std::size_t s) {
-      const auto& [subspace, first, count] = slabs[s];
+    hb::parallelFor(std::int64_t(slabs.size()), [&](std::int64_t s) {
+      const auto& [subspace, first, count] = slabs[std::size_t(s)];
       const std::int64_t plane = subspace->nodes.x * subspace->nodes.y;
       const std::span out(values.data() + subspace->offset + first * plane, std::size_t(count * plane));
       sampler.sample(*subspace, first, count, component, out);

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include "volume/hbError.h"
+#include "volume/hbParallel.h"
 
 namespace {
 
@@ -36,7 +36,7 @@ struct Block {
 template <class Body>
 void forBlocks(const Values& values, std::int64_t runsPerBlock, std::int64_t blocks, hbProgress& progress,
                const Body& body) {
-  oneapi::tbb::parallel_for(std::int64_t{0}, blocks, [&](std::int64_t b) {
+  hb::parallelFor(blocks, [&](std::int64_t b) {
     std::vector<double> buffer;
     const std::int64_t last = std::min(values.runs, (b + 1) * runsPerBlock);
     for (std::int64_t run = b * runsPerBlock; run < last; ++run) {
