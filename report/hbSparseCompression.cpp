@@ -1,6 +1,7 @@
 #include "report/hbSparseCompression.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -15,12 +16,63 @@ namespace {
 /// An analytic field has no samples of its own: at a given level it stands for the full grid of that level.
 hbInput atLevel(hbInput input, int level) {
   if (!input.analytic || level == 0) return input;
+  constexpr int kMax = 19; // 2^20 + 1 nodes an axis would be more than 2^60 samples
+  if (level > kMax)
+    throw hbError(
+        fmt::format("{}: expected a level up to {} for an analytic field, found {}", input.name, kMax, level));
   hbSize3 size = input.analytic->geometry().size;
   for (int d = 0; d < 3; ++d)
     if (size[d] > 2) size[d] = (std::int64_t{1} << level) + 1;
   input.analytic = input.analytic->withSize(size);
   return input;
 }
+
+/// The trilinear field of a volume that may be larger than the memory, for looking at a little of it here and there:
+/// each point may fill four stretches of a mapped file (64 kB each where the system has them at hand), so after every
+/// few points they are let go of. Threads share the count; each adds a piece to what may be filled at a time.
+class FrugalField final : public hbField {
+public:
+  FrugalField(std::shared_ptr<const hbField> field, hbVolume volume)
+      : field_(std::move(field)), volume_(std::move(volume)) {}
+
+  const hbGeometry& geometry() const override { return field_->geometry(); }
+  int components() const override { return field_->components(); }
+  hbValueMap valueMap() const override { return field_->valueMap(); }
+  void values(const hbPoints& points, int component, std::span<float> out) const override {
+    for (std::size_t i = 0; i < points.size(); i += kPiece) {
+      const std::size_t count = std::min(kPiece, points.size() - i);
+      field_->values(points.subspan(i, count), component, out.subspan(i, count));
+      touched(count);
+    }
+  }
+  void gradients(const hbPoints& points, int component, std::span<float> out,
+                 const hbGradients& gradient) const override {
+    field_->gradients(points, component, out, gradient);
+    touched(points.size());
+  }
+  void lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs, int component,
+               float* out, std::size_t strideY, std::size_t strideZ) const override {
+    for (std::size_t k = 0; k < zs.size(); ++k)
+      for (std::size_t j = 0; j < ys.size(); ++j) {
+        field_->lattice(xs, {&ys[j], 1}, {&zs[k], 1}, component, out + j * strideY + k * strideZ, strideY, strideZ);
+        touched(xs.size());
+      }
+  }
+  hbRange range(const hbBox& box, int component) const override { return field_->range(box, component); }
+
+private:
+  static constexpr std::size_t kPiece = 16, kRelease = 256;
+
+  void touched(std::size_t points) const {
+    if ((count_ += points) < kRelease) return;
+    count_ = 0;
+    volume_.releasePages();
+  }
+
+  std::shared_ptr<const hbField> field_;
+  hbVolume volume_;
+  mutable std::atomic<std::size_t> count_{0};
+};
 
 bool mayScan(const hbInput& input) {
   return input.volume && input.geometry().samples() <= hbSparseCompression::kMeasureAll / input.components();
@@ -88,7 +140,8 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
   std::optional<hbRangeRecord> range;
   if (mayScan(input)) range = rangeOf(input, progress);
 
-  const auto source = input.field(hbEngine::full, nonFinite);
+  auto source = input.field(hbEngine::full, nonFinite);
+  if (input.volume && !mayScan(input)) source = std::make_shared<const FrugalField>(source, *input.volume);
   const auto interpolate = [&] {
     try {
       return hbSparseGrid::interpolate(*source, set, mapping, progress);

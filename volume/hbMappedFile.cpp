@@ -11,11 +11,23 @@
 
 #include "volume/hbError.h"
 
+namespace {
+
+/// Ends a mapping, and tells its pointers from others.
+struct Unmap {
+  void* address;
+  std::uint64_t length;
+  void operator()(const std::byte*) const { ::munmap(address, length); }
+};
+
+} // namespace
+
 std::shared_ptr<const std::byte> hb::mapFile(const std::filesystem::path& path, std::uint64_t& size) {
   const auto fail = [&] {
     return hbError(fmt::format("{}: cannot be read: {}", path.string(), std::generic_category().message(errno)));
   };
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // O_NONBLOCK has no effect on files, but keeps a named pipe from waiting for a writer.
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) throw fail();
   const std::shared_ptr<const int> closer(&file, [](const int* f) { ::close(*f); });
   struct stat status {};
@@ -28,6 +40,9 @@ std::shared_ptr<const std::byte> hb::mapFile(const std::filesystem::path& path, 
   if (size == 0) return {std::shared_ptr<const void>(), &kNothing};
   void* address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
   if (address == MAP_FAILED) throw fail();
-  return {static_cast<const std::byte*>(address),
-          [length = size](const std::byte* p) { ::munmap(const_cast<std::byte*>(p), length); }};
+  return {static_cast<const std::byte*>(address), Unmap{address, size}};
+}
+
+void hb::releaseMapped(const std::shared_ptr<const std::byte>& data) {
+  if (const auto* mapping = std::get_deleter<Unmap>(data)) ::madvise(mapping->address, mapping->length, MADV_DONTNEED);
 }

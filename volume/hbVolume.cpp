@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "volume/hbError.h"
+#include "volume/hbMappedFile.h"
 
 hbVolume::Layout hbVolume::Layout::packed(const hbSize3& size, int components) {
   return {{components, components * size.x, components * size.x * size.y}, 1, false};
@@ -59,6 +60,8 @@ double hbVolume::value(std::int64_t x, std::int64_t y, std::int64_t z, int compo
   row(x, y, z, component, {&result, 1});
   return result;
 }
+
+void hbVolume::releasePages() const { hb::releaseMapped(data_); }
 
 hbValueMap hbVolume::chooseValueMap() const {
   if (type_ != hbSampleType::int32 && type_ != hbSampleType::uint32 && type_ != hbSampleType::float64) return {};

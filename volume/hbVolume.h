@@ -60,6 +60,10 @@ public:
   /// The data values of the samples (x0 + i, y, z), i < out.size(), in 64 bits.
   void row(std::int64_t x0, std::int64_t y, std::int64_t z, int component, std::span<double> out) const;
 
+  /// Lets go of the memory that reading samples mapped from a file has filled (see hb::releaseMapped); nothing
+  /// otherwise. For those who read a little of a volume that may be larger than the memory.
+  void releasePages() const;
+
   /// How 32-bit floats should stand for the data values (see hbValueMap): the identity, except for wide types
   /// (int32, uint32, float64) whose values a float would confuse. Looks at up to 2^16 samples spread over the volume.
   hbValueMap chooseValueMap() const;
