@@ -44,12 +44,18 @@ void writeSamples(const hbField& field, const hbSize3& size, hbVolumeStream& str
 } // namespace
 
 void app::writeField(const hbField& field, const hbGeometry& geometry, const std::filesystem::path& path,
-                     hbProgress& progress) {
+                     const CommonOptions& common) {
   const bool wide = !field.valueMap().isIdentity();
+  geometry.validate(path.string());
+  const hbSize3 size = geometry.size;
+  const double sampleBytes = (wide ? sizeof(double) : sizeof(float)) * double(field.components());
+  common.checkMemory(double(size.x + size.y + size.z) * sizeof(double) +
+                         double(size.x) * double(size.y) * (sizeof(float) + sampleBytes),
+                     path.string());
   hbVolumeStream stream(path, geometry, wide ? hbSampleType::float64 : hbSampleType::float32, field.components());
   if (wide)
-    writeSamples<double>(field, geometry.size, stream, progress);
+    writeSamples<double>(field, size, stream, progress());
   else
-    writeSamples<float>(field, geometry.size, stream, progress);
+    writeSamples<float>(field, size, stream, progress());
   stream.commit();
 }

@@ -30,8 +30,8 @@ struct CommonOptions {
 
   /// The limit in bytes: `memory`, or the machine's physical memory.
   std::uint64_t memoryLimit() const;
-  /// Throws hbError naming `what` when `bytes` would exceed the limit.
-  void checkMemory(std::uint64_t bytes, const std::string& what) const;
+  /// Throws hbError naming `what` when `bytes` would exceed the limit. (A double: estimates need not fit 64 bits.)
+  void checkMemory(double bytes, const std::string& what) const;
   /// Writes the statistics (with version and command added) where they were asked for.
   void writeStats(nlohmann::ordered_json stats) const;
 };
@@ -51,6 +51,9 @@ struct InputOptions {
   /// Opens `name`, or another file read the same way.
   hbInput open(const CommonOptions& common, hbProgress& progress) const { return open(name, common, progress); }
   hbInput open(const std::string& file, const CommonOptions& common, hbProgress& progress) const;
+  /// The field of an opened input for an engine's name, after checking the memory that building it takes.
+  std::shared_ptr<const hbField> field(const hbInput& input, const std::string& engine,
+                                       const CommonOptions& common) const;
 };
 
 /// "AxBxC" with `count` positive numbers, or one number for all where `count` is 3; throws hbError naming `option`.

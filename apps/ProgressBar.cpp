@@ -73,6 +73,7 @@ private:
 };
 
 hbProgress* active = nullptr;
+bool onTerminal = false;
 
 // Work that looks at its progress stops at once and tidies up; a library that does not (a decoder, a blocked read) is
 // given most of a second.
@@ -81,7 +82,8 @@ void onInterrupt(int) {
   ::signal(SIGALRM, [](int) {
     hb::removeTemporaryFiles();
     constexpr char kText[] = "\nhbvol: error: interrupted; nothing was written\n";
-    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText, sizeof(kText) - 1);
+    const std::size_t skip = onTerminal ? 0 : 1; // the line feed ends a progress bar
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText + skip, sizeof(kText) - 1 - skip);
     ::_exit(1);
   });
   ::ualarm(800000, 0);
@@ -98,6 +100,7 @@ hbProgress& app::progress() {
 
 void app::handleInterrupts() {
   active = &progress();
+  onTerminal = ::isatty(STDERR_FILENO) == 1;
   struct sigaction action {};
   action.sa_handler = onInterrupt;
   ::sigaction(SIGINT, &action, nullptr);

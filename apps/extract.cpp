@@ -32,7 +32,7 @@ void run(const Options& options, const app::CommonOptions& common) {
     }
   }
   const auto start = std::chrono::steady_clock::now();
-  app::writeField(*input.field(hbEngine::automatic, options.input.nanValue), geometry, options.out, app::progress());
+  app::writeField(*input.field(hbEngine::automatic, options.input.nanValue), geometry, options.out, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   fmt::print("{}: {} x {} x {} samples in {:.2f} s\n", options.out, geometry.size.x, geometry.size.y, geometry.size.z,
              seconds);

@@ -31,7 +31,7 @@ void run(const Options& options, const app::CommonOptions& common) {
   const auto sizes = app::parseSizes(options.size, 3, "--size");
   const auto field = hbAnalyticField::create(options.name)->withSize({sizes[0], sizes[1], sizes[2]});
   const auto start = std::chrono::steady_clock::now();
-  app::writeField(*field, field->geometry(), options.out, app::progress());
+  app::writeField(*field, field->geometry(), options.out, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   fmt::print("{}: {} x {} x {} float32 samples of {}\n", options.out, sizes[0], sizes[1], sizes[2],
              field->specification());

@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/InfoJson.h"
 #include "apps/InfoText.h"
 #include "apps/Program.h"
 #include "raycast/hbSceneDefaults.h"
 #include "volume/hbContainerReader.h"
 #include "volume/hbError.h"
-#include "volume/hbHistogram.h"
 
 namespace {
 
@@ -25,44 +25,6 @@ struct Options {
 
 /// Statistics read every sample: up to this many they are shown unasked, beyond only with --histogram.
 constexpr std::int64_t kStatisticsUnasked = std::int64_t{1} << 27;
-
-Json geometryJson(const hbGeometry& g) {
-  const auto list = [](const auto& v) { return Json{v.x, v.y, v.z}; };
-  return {{"origin", list(g.origin)},
-          {"spacing", list(g.spacing)},
-          {"direction", {list(g.direction[0]), list(g.direction[1]), list(g.direction[2])}},
-          {"extent", list(g.extent())},
-          {"centring", g.centring == hbGeometry::Centring::cell ? "cell" : "node"},
-          {"space", g.space}};
-}
-
-void addIndexSet(Json& info, const hbIndexSet& set, const hbGeometry& geometry, int components) {
-  info["level"] = set.number();
-  info["finest_levels"] = {set.finest().x, set.finest().y, set.finest().z};
-  info["subspaces"] = set.subspaces().size();
-  info["stored_values"] = set.storedValues();
-  info["component_grids"] = set.componentGrids().size();
-  info["combination_values"] = set.combinationValues();
-  info["padded_texels"] = set.paddedTexels();
-  info["value_bytes"] = set.storedValues() * components * std::int64_t(sizeof(float));
-  info["samples_per_stored_value"] = double(geometry.samples()) / double(set.storedValues());
-}
-
-Json histogramJson(const hbHistogram& h) {
-  return {{"count", h.count},
-          {"nans", h.nans},
-          {"infinities", h.infinities},
-          {"min", app::finiteOrNull(h.min)},
-          {"max", app::finiteOrNull(h.max)},
-          {"mean", app::finiteOrNull(h.mean)},
-          {"deviation", app::finiteOrNull(h.deviation)},
-          {"otsu_threshold", app::finiteOrNull(h.otsuThreshold())},
-          {"percentiles",
-           {{"1", app::finiteOrNull(h.percentile(0.01))},
-            {"50", app::finiteOrNull(h.percentile(0.5))},
-            {"99", app::finiteOrNull(h.percentile(0.99))}}},
-          {"bins", h.bins}};
-}
 
 Json describe(const Options& options, const app::CommonOptions& common) {
   const hbInput input = options.input.open(common, app::progress());
@@ -86,7 +48,7 @@ Json describe(const Options& options, const app::CommonOptions& common) {
       histograms = hb::calcHistograms(volume, 64, app::progress());
   } else if (input.sparse) {
     const hbSparseGridFile& file = *input.sparse;
-    addIndexSet(info, file.grid.indexSet(), file.grid.geometry(), file.grid.components());
+    app::addIndexSet(info, file.grid.indexSet(), file.grid.geometry(), file.grid.components());
     info["mapping"] = file.info.mapping == hbLatticeMapping::aligned ? "aligned" : "fitted";
     info["type"] = hb::sampleTypeName(file.info.sampleType);
     info["component_names"] = file.info.componentNames;
@@ -105,7 +67,7 @@ Json describe(const Options& options, const app::CommonOptions& common) {
                                   {"max", app::finiteOrNull(c.max)},
                                   {"rmse", app::finiteOrNull(c.rmse)},
                                   {"psnr", app::finiteOrNull(c.psnr)}});
-    info["provenance"] = Json::parse(file.provenance.json);
+    info["provenance"] = app::provenanceJson(file.provenance.json);
     if (options.verify) {
       reader.verify(app::progress());
       info["verified"] = true;
@@ -118,15 +80,15 @@ Json describe(const Options& options, const app::CommonOptions& common) {
     if (input.sparse)
       throw hbError(fmt::format("{}: --level says what a sparse grid would hold; this is one", input.name));
     const bool capped = input.volume && !options.uncapped;
-    addIndexSet(
+    app::addIndexSet(
         info, hbIndexSet::regular(options.level, capped ? hbIndexSet::axesOf(size) : hbIndexSet::uncappedAxesOf(size)),
         input.geometry(), input.components());
   }
   if (options.histogram && !input.volume)
     for (int c = 0; c < input.components(); ++c)
       histograms.push_back(hb::fieldHistogram(*input.field(hbEngine::automatic), c, app::progress()));
-  for (const hbHistogram& h : histograms) info["statistics"].push_back(histogramJson(h));
-  info["geometry"] = geometryJson(input.geometry());
+  for (const hbHistogram& h : histograms) info["statistics"].push_back(app::histogramJson(h));
+  info["geometry"] = app::geometryJson(input.geometry());
   return info;
 }
 

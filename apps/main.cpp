@@ -1,12 +1,15 @@
 // hbvol: compresses 3D scalar volumes, renders from the compressed form, and says what that costs and loses.
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <new>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
+#include <unistd.h>
 
 #include "apps/Program.h"
 #include "volume/hbError.h"
@@ -21,8 +24,16 @@ std::string commandLine(int count, char** arguments) {
   return line;
 }
 
-int fail(const char* text) {
+/// On one line, whatever characters a file's name has.
+void printError(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+  ::alarm(0); // an interrupt's last resort would say it again
   fmt::print(stderr, "hbvol: error: {}\n", text);
+}
+
+int fail(const char* text) {
+  printError(text);
   return kFailed;
 }
 
@@ -63,8 +74,10 @@ int main(int count, char** arguments) {
     return 0;
   } catch (const CLI::ParseError& error) {
     const bool asked = error.get_exit_code() == 0; // --help, --version
+    const auto unknown = program.remaining();      // a mistyped subcommand
     if (!asked)
-      fmt::print(stderr, "hbvol: error: {} (see hbvol --help)\n", error.what());
+      printError(fmt::format("{}{} (see hbvol --help)", error.what(),
+                             unknown.empty() ? "" : fmt::format(", found '{}'", unknown.front())));
     else
       program.exit(error);
     return asked ? 0 : kWrongUsage;

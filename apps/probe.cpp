@@ -38,12 +38,13 @@ std::vector<glm::dvec3> readPoints(const std::string& path) {
       throw hbError(fmt::format("{}: line {}: expected three numbers, found '{}'", path, number, line));
     points.push_back(p);
   }
+  if (file.bad()) throw hbError(fmt::format("{}: cannot be read to its end", path)); // a folder, too
   return points;
 }
 
 void run(const Options& options, const app::CommonOptions& common) {
   const hbInput input = options.input.open(common, app::progress());
-  const auto field = input.field(hb::engineFromName(options.engine), options.input.nanValue);
+  const auto field = options.input.field(input, options.engine, common);
   if (options.component >= field->components())
     throw hbError(fmt::format("--component: expected 0 to {}, found {}", field->components() - 1, options.component));
   const std::vector<glm::dvec3> points = readPoints(options.points);

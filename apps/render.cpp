@@ -57,9 +57,7 @@ void run(const Options& options, const app::CommonOptions& common) {
 
   start = Clock::now();
   const hbEngine engine = input.engine(hb::engineFromName(options.engine));
-  if (engine == hbEngine::combination && input.sparse)
-    common.checkMemory(std::uint64_t(input.sparse->grid.indexSet().combinationValues()) * 4, input.name);
-  std::shared_ptr<const hbField> field = input.field(engine, options.input.nanValue);
+  std::shared_ptr<const hbField> field = options.input.field(input, options.engine, common);
   const double secondsBuild = seconds(start);
 
   hbScene scene = options.scene.scene(input.geometry());
@@ -76,7 +74,7 @@ void run(const Options& options, const app::CommonOptions& common) {
     if (!scene.isoValue) scene.isoValue = histogram.otsuThreshold();
   }
   const hbRaycaster raycaster(*field, scene);
-  common.checkMemory(std::uint64_t(scene.width) * std::uint64_t(scene.height) * 32, options.out);
+  common.checkMemory(32.0 * scene.width * scene.height, options.out);
 
   hbPicture picture;
   std::vector<double> frames;
@@ -91,8 +89,8 @@ void run(const Options& options, const app::CommonOptions& common) {
     warnOfEmptyPicture(scene, histogram);
   picture.metadata["hbvol.engine"] = hb::engineName(engine);
   picture.metadata["hbvol.input"] = input.name;
-  writePicture(picture, raycaster.scene(), options.out);
   if (!options.saveScene.empty()) hb::saveScene(raycaster.scene(), options.saveScene);
+  writePicture(picture, raycaster.scene(), options.out);
 
   const hbCamera& camera = *raycaster.scene().camera;
   nlohmann::ordered_json stats{

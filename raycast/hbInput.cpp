@@ -37,8 +37,10 @@ hbInput hbInput::open(const std::string& name, const hbReadOptions& options, hbP
   }
   const fs::path path(name);
   std::error_code none;
-  if (fs::is_regular_file(path, none)) input.fileBytes = fs::file_size(path, none);
-  if (!fs::is_directory(path, none) && isContainer(path)) {
+  const bool isFile = fs::is_regular_file(path, none);
+  if (isFile) input.fileBytes = fs::file_size(path, none);
+  // Nothing but files is opened here: reading from a pipe would wait for its writer.
+  if (isFile && isContainer(path)) {
     const hbContainerReader reader(path, hbSparseGridFile::chunkTypes(), options.memoryLimit);
     if (!hbSparseGridFile::isIn(reader))
       throw hbError(fmt::format("{}: expected a sparse grid, found an .hbv file without one", name));

@@ -161,7 +161,7 @@ hbSparseGrid hb::readComponentGrids(const std::string& pattern, const hbReadOpti
   for (const auto& grid : wanted) {
     const auto found = files.find({grid.levels.x, grid.levels.y, grid.levels.z});
     if (found == files.end())
-      throw hbError(fmt::format("{}: expected a file of levels {}, {}, {}, found none", pattern, grid.levels.x,
+      throw hbError(fmt::format("{}: expected a file of levels {}, {}, {}, too, as the files' levels need it, found none", pattern, grid.levels.x,
                                 grid.levels.y, grid.levels.z));
     const hbVolume volume = hb::readVolume(found->second, options);
     if (volume.geometry().size != grid.nodes || volume.components() != first.components())

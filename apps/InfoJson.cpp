@@ -1,0 +1,49 @@
+#include "apps/InfoJson.h"
+
+#include "apps/Program.h"
+
+using Json = nlohmann::ordered_json;
+
+Json app::geometryJson(const hbGeometry& g) {
+  const auto list = [](const auto& v) { return Json{v.x, v.y, v.z}; };
+  return {{"origin", list(g.origin)},
+          {"spacing", list(g.spacing)},
+          {"direction", {list(g.direction[0]), list(g.direction[1]), list(g.direction[2])}},
+          {"extent", list(g.extent())},
+          {"centring", g.centring == hbGeometry::Centring::cell ? "cell" : "node"},
+          {"space", g.space}};
+}
+
+void app::addIndexSet(Json& info, const hbIndexSet& set, const hbGeometry& geometry, int components) {
+  info["level"] = set.number();
+  info["finest_levels"] = {set.finest().x, set.finest().y, set.finest().z};
+  info["subspaces"] = set.subspaces().size();
+  info["stored_values"] = set.storedValues();
+  info["component_grids"] = set.componentGrids().size();
+  info["combination_values"] = set.combinationValues();
+  info["padded_texels"] = set.paddedTexels();
+  info["value_bytes"] = set.storedValues() * components * std::int64_t(sizeof(float));
+  info["samples_per_stored_value"] = double(geometry.samples()) / double(set.storedValues());
+}
+
+Json app::histogramJson(const hbHistogram& h) {
+  return {{"count", h.count},
+          {"nans", h.nans},
+          {"infinities", h.infinities},
+          {"min", app::finiteOrNull(h.min)},
+          {"max", app::finiteOrNull(h.max)},
+          {"mean", app::finiteOrNull(h.mean)},
+          {"deviation", app::finiteOrNull(h.deviation)},
+          {"otsu_threshold", app::finiteOrNull(h.otsuThreshold())},
+          {"percentiles",
+           {{"1", app::finiteOrNull(h.percentile(0.01))},
+            {"50", app::finiteOrNull(h.percentile(0.5))},
+            {"99", app::finiteOrNull(h.percentile(0.99))}}},
+          {"bins", h.bins}};
+}
+
+Json app::provenanceJson(const std::string& text) {
+  // Any file may be asked about, and whoever prints the document recurses.
+  constexpr int kMaxDepth = 32;
+  return Json::parse(text, [](int depth, Json::parse_event_t, const Json&) { return depth < kMaxDepth; });
+}

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "sparsegrid/hbIndexSet.h"
+#include "volume/hbGeometry.h"
+#include "volume/hbHistogram.h"
+
+/// The parts of what `info` finds.
+namespace app {
+
+nlohmann::ordered_json geometryJson(const hbGeometry& geometry);
+
+nlohmann::ordered_json histogramJson(const hbHistogram& histogram);
+
+/// The sizes of a sparse grid, whether there is one or not.
+void addIndexSet(nlohmann::ordered_json& info, const hbIndexSet& set, const hbGeometry& geometry, int components);
+
+/// A file's provenance, which is JSON; what is nested too deep to be shown is left out.
+nlohmann::ordered_json provenanceJson(const std::string& text);
+
+} // namespace app

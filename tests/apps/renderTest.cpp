@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "scene/hbPictureFile.h"
+#include "scene/hbScene.h"
+#include "tests/apps/hbAppTest.h"
+
+class render : public hbAppTest {
+protected:
+  hbPicture picture(const std::string& name) const { return hb::readExr(folder_ / name); }
+
+  static std::ptrdiff_t covered(const hbPicture& picture) {
+    const std::vector<float>& a = *picture.find("A");
+    return std::count(a.begin(), a.end(), 1.0F);
+  }
+};
+
+TEST_F(render, MakesAPictureWhenAskedForNothing) {
+  EXPECT_RUNS(run({"render", "field:smooth", "r.exr", "--stats", "s.json"}));
+  const hbPicture made = picture("r.exr");
+  EXPECT_EQ(made.width, 512);
+  EXPECT_EQ(made.height, 512);
+  EXPECT_GT(covered(made), 512 * 512 / 4);
+  const auto stats = json("s.json");
+  EXPECT_EQ(stats["engine"], "full");
+  EXPECT_EQ(stats["mode"], "xray");
+  EXPECT_EQ(stats["width"], 512);
+  EXPECT_EQ(stats["height"], 512);
+  EXPECT_GT(stats["samples"], 128);
+  for (const char* key :
+       {"seconds_load", "seconds_build", "seconds_frame_median", "memory_growth_bytes", "texture_bytes", "threads"})
+    EXPECT_TRUE(stats[key].is_number()) << key;
+  EXPECT_TRUE(stats["compressed_bytes"].is_null());
+  EXPECT_TRUE(stats.contains("gl_renderer"));
+}
+
+TEST_F(render, WritesPngAndScenes) {
+  EXPECT_RUNS(run({"compress", "field:marschner-lobb", "m.hbv", "--level", "5"}));
+  EXPECT_RUNS(run({"render", "m.hbv", "m.png", "--mode", "mip", "--size", "40x30", "--azimuth", "70", "--zoom", "1.5",
+                   "--save-scene", "scene.json", "--window", "0,1", "--colormap", "cubehelix", "--projection",
+                   "orthographic"}));
+  const hbImage8 image = hb::readPng(folder_ / "m.png");
+  EXPECT_EQ(image.width, 40);
+  EXPECT_EQ(image.height, 30);
+  const hbScene scene = hb::loadScene(folder_ / "scene.json");
+  EXPECT_EQ(scene.mode, hbMode::mip);
+  EXPECT_EQ(scene.camera->projection, hbCamera::Projection::orthographic);
+  // The scene alone gives the same picture again.
+  EXPECT_RUNS(run({"render", "m.hbv", "again.png", "--scene", "scene.json", "--stats", "s.json", "--repeat", "3"}));
+  EXPECT_EQ(bytes("again.png"), bytes("m.png"));
+  const auto stats = json("s.json");
+  EXPECT_EQ(stats["engine"], "direct");
+  EXPECT_EQ(stats["repeat"], 3);
+  EXPECT_EQ(stats["compressed_bytes"], std::filesystem::file_size(folder_ / "m.hbv"));
+  EXPECT_LE(stats["seconds_frame_min"], stats["seconds_frame_median"]);
+  EXPECT_LE(stats["seconds_frame_median"], stats["seconds_frame_max"]);
+}
+
+TEST_F(render, EnginesAgree) {
+  EXPECT_RUNS(run({"compress", "field:smooth", "s.hbv", "--level", "5"}));
+  for (const char* mode : {"xray", "mip"}) {
+    for (const char* engine : {"direct", "combination"})
+      EXPECT_RUNS(run({"render", "s.hbv", fmt::format("{}.exr", engine), "--engine", engine, "--mode", mode, "--size",
+                       "40x30", "--samples", "16"}));
+    const auto difference = run({"diff", "direct.exr", "combination.exr", "--json"}).json();
+    // 31 grids with coefficients of at most 2, a dozen roundings each of values below 2; rays shorter than 2.
+    EXPECT_LT(difference["max"].get<double>(), 31 * 2 * 12 * 2 * 2 * 0x1p-24) << mode;
+  }
+}
+
+TEST_F(render, AnIsoValueOutsideTheRangeIsAnEmptyPictureAndAWarning) {
+  const hbProgramRun made =
+      run({"render", "field:smooth", "r.exr", "--mode", "iso", "--iso", "100", "--size", "20x20"});
+  EXPECT_EQ(made.exitCode, 0);
+  EXPECT_TRUE(made.err.starts_with("hbvol: warning: ")) << made.err;
+  EXPECT_EQ(std::count(made.err.begin(), made.err.end(), '\n'), 1) << made.err;
+  const hbPicture empty = picture("r.exr");
+  const std::vector<float>& a = *empty.find("A");
+  EXPECT_TRUE(std::all_of(a.begin(), a.end(), [](float v) { return v == 0.0F; }));
+  EXPECT_RUNS(run({"render", "field:smooth", "r.exr", "--mode", "iso", "--iso", "1", "--size", "20x20"}));
+  EXPECT_GT(covered(picture("r.exr")), 0);
+}
+
+TEST_F(render, ShowsComponentsAndTheirMagnitude) {
+  // (3, 4) everywhere: X-ray is the value times the length of the ray.
+  writeVolume<float>("v.nrrd", {5, 5, 5}, 2, [](auto, auto, auto, int c) { return 3.0 + c; });
+  EXPECT_RUNS(run({"compress", "v.nrrd", "v.hbv"}));
+  auto info = run({"info", "v.hbv", "--json"}).json();
+  EXPECT_EQ(info["components"], 2);
+  EXPECT_EQ(info["errors"].size(), 2U);
+  for (const char* input : {"v.nrrd", "v.hbv"})
+    for (const auto& [component, value] : {std::pair("0", 3.0), std::pair("1", 4.0), std::pair("magnitude", 5.0)}) {
+      // Along -z through the middle: 4 samples' distances, 4 in the world.
+      EXPECT_RUNS(run({"render", input, "r.exr", "--component", component, "--size", "1x1", "--camera",
+                       "2,2,10,2,2,0,0,1,0", "--projection", "orthographic"}));
+      // The sum is in 64 bits; surpluses and values are floats.
+      EXPECT_NEAR(picture("r.exr").find("Y")->at(0), 4.0 * value, 32 * 16 * 0x1p-24) << input << " " << component;
+    }
+  for (const char* component : {"2", "-1", "0.5", "99999999999", "all", "nan"})
+    expectFailureLeavesAll({"render", "v.hbv", "x.exr", "--component", component}, 1, "--component");
+}
+
+TEST_F(render, FlatVolumesGoThroughTheWholeChain) {
+  writeVolume<std::uint8_t>("v.nrrd", {9, 6, 1}, 1, [](auto x, auto y, auto, int) { return double(10 * x + y); });
+  EXPECT_RUNS(run({"compress", "v.nrrd", "v.hbv", "--mapping", "aligned", "--index-set", "full"}));
+  EXPECT_EQ(run({"info", "v.hbv", "--json"}).json()["dims"], (nlohmann::json{9, 6, 1}));
+  EXPECT_RUNS(run({"extract", "v.hbv", "e.nrrd"}));
+  const auto difference = run({"diff", "v.nrrd", "e.nrrd", "--json"}).json();
+  EXPECT_LT(difference["max"].get<double>(), 0.5);
+  for (const char* input : {"v.nrrd", "v.hbv"})
+    for (const char* mode : {"xray", "mip", "iso"}) {
+      EXPECT_RUNS(run({"render", input, "r.exr", "--mode", mode, "--size", "30x20"}));
+      const hbPicture made = picture("r.exr");
+      EXPECT_GT(covered(made), 0) << input << " " << mode;
+      for (const auto& [name, values] : made.channels)
+        EXPECT_TRUE(std::none_of(values.begin(), values.end(), [](float v) { return std::isnan(v); })) << name;
+    }
+  // Along a line and at a point, too.
+  writeVolume<float>("line.nrrd", {7, 1, 1}, 1, [](auto x, auto, auto, int) { return double(x); });
+  writeVolume<float>("point.nrrd", {1, 1, 1}, 1, [](auto, auto, auto, int) { return 2.0; });
+  for (const char* input : {"line", "point"}) {
+    const std::string name(input);
+    EXPECT_RUNS(run({"compress", name + ".nrrd", name + ".hbv"}));
+    EXPECT_RUNS(run({"render", name + ".hbv", "r.exr", "--size", "9x9"}));
+    EXPECT_GT(covered(picture("r.exr")), 0) << input;
+    EXPECT_RUNS(run({"extract", name + ".hbv", name + "-e.nrrd"}));
+    // A handful of values below 8, rounded a few times.
+    EXPECT_LT(run({"diff", name + ".nrrd", name + "-e.nrrd", "--json"}).json()["max"].get<double>(), 64 * 0x1p-24);
+  }
+}
+
+TEST_F(render, TheCameraMayBeInside) {
+  writeVolume<float>("v.nrrd", {5, 5, 5}, 1, [](auto, auto, auto, int) { return 1.0; });
+  for (const char* mode : {"xray", "mip"}) {
+    // From the middle along x: 2 units to the face.
+    EXPECT_RUNS(run({"render", "v.nrrd", "r.exr", "--mode", mode, "--camera", "2,2,2,4,2,2", "--size", "9x9"}));
+    const hbPicture made = picture("r.exr");
+    EXPECT_EQ(covered(made), 81) << mode;
+    // The middle pixel's ray lies on the axis but for rounding.
+    EXPECT_NEAR(made.find("Y")->at(40), std::string(mode) == "xray" ? 2.0 : 1.0, 1e-6) << mode;
+  }
+  // Looking away from a volume behind the camera: nothing to see, and no error.
+  EXPECT_RUNS(run({"render", "v.nrrd", "r.exr", "--camera", "10,2,2,20,2,2", "--size", "9x9"}));
+  EXPECT_EQ(covered(picture("r.exr")), 0);
+  EXPECT_RUNS(run({"render", "v.nrrd", "r.png", "--camera", "10,2,2,20,2,2", "--size", "9x9"}));
+}
+
+TEST_F(render, RefusesWhatItCannotDo) {
+  EXPECT_RUNS(run({"compress", "field:ball", "b.hbv", "--level", "2"}));
+  expectFailureLeavesAll({"render", "field:ball", "x.exr", "--engine", "direct"}, 1, "engine direct");
+  expectFailureLeavesAll({"render", "field:ball", "x.exr", "--engine", "combination"}, 1, "engine combination");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "full"}, 1, "engine full");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "opengl"}, 1, "opengl");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--component", "1"}, 1, "--component");
+  for (const char* size :
+       {"0x5", "5x0", "-5x5", "5", "axb", "5x5x5", "99999x99999", "16385x1", "99999999999999999999x1"})
+    expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--size", size}, 1, "");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--size", "16384x16384", "--memory", "1GB"}, 1, "--memory");
+  for (const char* camera :
+       {"1,2,3", "1,2,3,4,5,6,7", "1,1,1,1,1,1", "0,0,0,0,0,1,0,0,1", "nan,0,0,1,1,1", "a,b,c,d,e,f"})
+    expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--camera", camera}, 1, "");
+  for (const char* window : {"1", "2,1", "1,1", "1,inf"})
+    expectFailureLeavesAll({"render", "b.hbv", "x.png", "--window", window, "--size", "4x4"}, 1, "window");
+  expectFailureLeavesAll({"render", "b.hbv", "x.png", "--colormap", "rainbow"}, 1, "rainbow");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--zoom", "0"}, 2, "--zoom");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--zoom", "nan"}, 1, "zoom");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--iso", "nan", "--mode", "iso", "--size", "4x4"}, 1, "iso");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--azimuth", "inf", "--size", "4x4"}, 1, "azimuth");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--elevation", "91"}, 2, "--elevation");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--samples", "0"}, 2, "--samples");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--repeat", "0"}, 2, "--repeat");
+}
+
+TEST_F(render, RefusesWrongScenes) {
+  const std::vector<std::string> scenes{"",
+                                        "[]",
+                                        "{",
+                                        R"({"version": 2})",
+                                        R"({"version": 1, "mode": "best"})",
+                                        R"({"version": 1, "camera": {"position": [0, 0, 0]}})",
+                                        R"({"version": 1, "width": 0})",
+                                        R"({"version": 1, "colour": 1})",
+                                        R"({"version": 1, "width": 1e999})",
+                                        "\xFF\xFE",
+                                        std::string(400000, '[')};
+  for (const std::string& scene : scenes) {
+    write("scene.json", scene);
+    expectFailureLeavesAll({"render", "field:ball", "x.exr", "--scene", "scene.json"}, 1, "scene.json");
+  }
+  expectFailureLeavesAll({"render", "field:ball", "x.exr", "--scene", "none.json"}, 1, "none.json");
+  // Where the scene cannot be saved there is no picture either.
+  expectFailureLeavesAll({"render", "field:ball", "x.exr", "--size", "4x4", "--save-scene", "none/s.json"}, 1,
+                         "none/s.json");
+}
