@@ -8,17 +8,12 @@
 
 namespace {
 
-std::vector<double> coordinates(std::int64_t size) {
-  std::vector<double> list;
-  for (std::int64_t i = 0; i < size; ++i) list.push_back(size == 1 ? 0.5 : double(i) / double(size - 1));
-  return list;
-}
-
 /// One slab after the other: evaluated by all threads, a few rows each, then interleaved, mapped and written as
 /// `Sample`s.
 template <class Sample>
-void writeSamples(const hbField& field, const hbSize3& size, hbVolumeStream& stream, hbProgress& progress) {
-  const std::vector<double> xs = coordinates(size.x), ys = coordinates(size.y), zs = coordinates(size.z);
+void writeSamples(const hbField& field, const hbGeometry& geometry, hbVolumeStream& stream, hbProgress& progress) {
+  const hbSize3 size = geometry.size;
+  const auto xs = geometry.cubeCoordinates(0), ys = geometry.cubeCoordinates(1), zs = geometry.cubeCoordinates(2);
   const hbValueMap map = field.valueMap();
   const auto components = std::size_t(field.components());
   constexpr std::int64_t kRows = 16; // a task's
@@ -54,8 +49,8 @@ void app::writeField(const hbField& field, const hbGeometry& geometry, const std
                      path.string());
   hbVolumeStream stream(path, geometry, wide ? hbSampleType::float64 : hbSampleType::float32, field.components());
   if (wide)
-    writeSamples<double>(field, size, stream, progress());
+    writeSamples<double>(field, geometry, stream, progress());
   else
-    writeSamples<float>(field, size, stream, progress());
+    writeSamples<float>(field, geometry, stream, progress());
   stream.commit();
 }

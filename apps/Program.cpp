@@ -1,6 +1,9 @@
 #include "apps/Program.h"
 
+#include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -19,6 +22,7 @@ void CommonOptions::addTo(CLI::App& subcommand) {
   subcommand
       .add_option("--memory", memory, "Memory limit, as in 500MB or 2GB (powers of 1024); checked before work starts")
       ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 60, "SIZE"))
       ->group("Common");
   subcommand.add_option("--stats", stats, "Write what was measured to this JSON file")
       ->type_name("FILE.json")
@@ -37,12 +41,22 @@ void CommonOptions::checkMemory(double bytes, const std::string& what) const {
                               memory > 0 ? " (--memory)" : " (the machine's memory)"));
 }
 
+void CommonOptions::checkOutputs(std::vector<std::string> names) const {
+  names.push_back(stats);
+  std::set<std::filesystem::path> files;
+  for (const std::string& name : names) {
+    std::error_code none;
+    if (!name.empty() && !files.insert(std::filesystem::weakly_canonical(name, none)).second)
+      throw hbError(fmt::format("{}: would be written twice", name));
+  }
+}
+
 void CommonOptions::writeStats(nlohmann::ordered_json statistics) const {
   if (stats.empty()) return;
   statistics["version"] = HBVOL_VERSION;
   statistics["command"] = command;
   hbOutputFile file(stats);
-  const std::string text = statistics.dump(2) + "\n";
+  const std::string text = statistics.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   std::FILE* out = std::fopen(file.path().c_str(), "wb");
   const bool written = out != nullptr && std::fwrite(text.data(), 1, text.size(), out) == text.size();
   if ((out != nullptr && std::fclose(out) != 0) || !written) throw hbError(fmt::format("{}: cannot be written", stats));
@@ -62,7 +76,10 @@ void InputOptions::addReadTo(CLI::App& command) {
   command.add_option("--series", series, "Of a folder with several DICOM series: the UID of the one to read")
       ->group("Input");
   command.add_option("--nan-value", nanValue, "Take NaN and infinite samples as this value instead of refusing them")
-      ->group("Input");
+      ->group("Input")
+      ->check([](const std::string& text) { // "nan" and "inf" are numbers, too
+        return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "expected a finite number, found " + text;
+      });
   const auto add = [&](const char* flag, auto& value, const char* text) {
     return command.add_option(flag, value, text)->group("Raw input");
   };

@@ -32,6 +32,8 @@ struct CommonOptions {
   std::uint64_t memoryLimit() const;
   /// Throws hbError naming `what` when `bytes` would exceed the limit. (A double: estimates need not fit 64 bits.)
   void checkMemory(double bytes, const std::string& what) const;
+  /// Throws hbError where two of the files about to be written, or the statistics, are one file; "" stands for none.
+  void checkOutputs(std::vector<std::string> names) const;
   /// Writes the statistics (with version and command added) where they were asked for.
   void writeStats(nlohmann::ordered_json stats) const;
 };
@@ -63,6 +65,9 @@ std::vector<std::int64_t> parseSizes(const std::string& text, std::size_t count,
 std::vector<double> parseNumbers(const std::string& text, std::size_t least, std::size_t most,
                                  const std::string& option);
 
+/// The extension of a file's name in small letters, ".png".
+std::string extension(const std::string& name);
+
 /// "12.3 MB": powers of 1024.
 std::string bytesText(double bytes);
 
@@ -71,6 +76,9 @@ nlohmann::ordered_json finiteOrNull(double value);
 
 /// The progress bar on stderr when it is a terminal, otherwise one that shows nothing; Ctrl-C cancels it.
 hbProgress& progress();
+
+/// Takes the bar off the terminal before something else is written there.
+void clearProgress();
 
 /// Makes Ctrl-C cancel progress(), and end the process within a second in any case, leaving no temporary file.
 void handleInterrupts();

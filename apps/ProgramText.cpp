@@ -1,8 +1,10 @@
 // Numbers in options, and numbers as text.
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -51,6 +53,12 @@ std::vector<double> parseNumbers(const std::string& text, std::size_t least, std
     throw hbError(fmt::format("{}: expected {} numbers separated by commas, found '{}'", option,
                               least == most ? std::to_string(least) : fmt::format("{} to {}", least, most), text));
   return *numbers;
+}
+
+std::string extension(const std::string& name) {
+  std::string text = std::filesystem::path(name).extension().string();
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return text;
 }
 
 std::string bytesText(double bytes) {

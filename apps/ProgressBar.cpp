@@ -39,9 +39,10 @@ public:
 
 protected:
   void show(std::int64_t done, std::int64_t total) override {
-    if (Clock::now().time_since_epoch().count() < next_) return;
+    if (done < total && Clock::now().time_since_epoch().count() < next_) return;
     const std::lock_guard lock(mutex_);
     const auto now = Clock::now();
+    if (done >= total) return clear();
     if (now.time_since_epoch().count() < next_) return; // another thread was first
     next_ = (now + kInterval).time_since_epoch().count();
     const double seconds = std::chrono::duration<double>(now - start_).count();
@@ -53,7 +54,6 @@ protected:
                100.0 * share, rateText(rate), share > 0.0 ? seconds * (1.0 - share) / share : 0.0);
     std::fflush(stderr);
     drawn_ = true;
-    if (done >= total) clear();
   }
 
 private:
@@ -91,10 +91,18 @@ void onInterrupt(int) {
 
 } // namespace
 
-hbProgress& app::progress() {
+namespace {
+ProgressBar& progressBar() {
   static ProgressBar bar;
+  return bar;
+}
+} // namespace
+
+void app::clearProgress() { progressBar().clear(); }
+
+hbProgress& app::progress() {
   static hbProgress silent;
-  static hbProgress& chosen = ::isatty(STDERR_FILENO) == 1 ? static_cast<hbProgress&>(bar) : silent;
+  static hbProgress& chosen = ::isatty(STDERR_FILENO) == 1 ? static_cast<hbProgress&>(progressBar()) : silent;
   return chosen;
 }
 

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <glm/trigonometric.hpp>
 
 #include "apps/Program.h"
 #include "scene/hbColormap.h"
@@ -63,8 +64,15 @@ hbScene app::SceneOptions::scene(const hbGeometry& geometry) const {
     result.magnitude = false;
   }
 
-  const auto chosen =
-      projection == "orthographic" ? hbCamera::Projection::orthographic : hbCamera::Projection::perspective;
+  place(result, geometry);
+  return result;
+}
+
+void app::SceneOptions::place(hbScene& scene, const hbGeometry& geometry) const {
+  using Projection = hbCamera::Projection;
+  const double aspect = double(scene.width) / double(scene.height);
+  Projection chosen = scene.camera ? scene.camera->projection : Projection::perspective;
+  if (!projection.empty()) chosen = projection == "orthographic" ? Projection::orthographic : Projection::perspective;
   if (!camera.empty()) {
     const auto n = app::parseNumbers(camera, 6, 9, "--camera");
     if (n.size() != 6 && n.size() != 9)
@@ -74,14 +82,15 @@ hbScene app::SceneOptions::scene(const hbGeometry& geometry) const {
     placed.position = {n[0], n[1], n[2]};
     placed.target = {n[3], n[4], n[5]};
     if (n.size() == 9) placed.up = {n[6], n[7], n[8]};
-    placed.height =
-        hbCamera::framing(geometry, 0, 0, hbCamera::Projection::orthographic, double(result.width) / result.height)
-            .height;
-    result.camera = placed;
-  } else if (!result.camera || azimuth || elevation || zoom || !projection.empty()) {
-    result.camera = hbCamera::framing(geometry, azimuth.value_or(hbCamera::kDefaultAzimuth),
-                                      elevation.value_or(hbCamera::kDefaultElevation), chosen,
-                                      double(result.width) / double(result.height), zoom.value_or(1.0));
+    placed.height = hbCamera::framing(geometry, 0, 0, Projection::orthographic, aspect).height;
+    scene.camera = placed;
+  } else if (!scene.camera || azimuth || elevation || !projection.empty()) {
+    scene.camera = hbCamera::framing(geometry, azimuth.value_or(hbCamera::kDefaultAzimuth),
+                                     elevation.value_or(hbCamera::kDefaultElevation), chosen, aspect);
   }
-  return result;
+  if (!zoom) return;
+  if (!std::isfinite(*zoom)) throw hbError(fmt::format("--zoom: expected a finite number, found {}", *zoom));
+  const double half = glm::radians(0.5 * scene.camera->fieldOfView);
+  scene.camera->fieldOfView = 2.0 * glm::degrees(std::atan(std::tan(half) / *zoom));
+  scene.camera->height /= *zoom;
 }

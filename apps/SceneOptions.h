@@ -21,6 +21,10 @@ struct SceneOptions {
 
   /// The scene file, if any, with the options on top; the camera is chosen, an iso-value perhaps not. Throws hbError.
   hbScene scene(const hbGeometry& geometry) const;
+
+private:
+  /// Gives the scene a camera: --camera, or a framing by the angles, or its own; then the zoom.
+  void place(hbScene& scene, const hbGeometry& geometry) const;
 };
 
 } // namespace app

@@ -33,7 +33,7 @@ void checkNames(const Options& options) {
     throw CLI::ValidationError("compress", "expected IN and OUT.hbv");
   if (!options.components.empty() && options.files.size() != 1)
     throw CLI::ValidationError("--components", "expected OUT.hbv alone beside it");
-  if (!options.files.back().ends_with(".hbv"))
+  if (app::extension(options.files.back()) != ".hbv")
     throw hbError(fmt::format("{}: expected a name that ends with .hbv", options.files.back()));
 }
 
@@ -77,6 +77,7 @@ void print(const std::string& out, const Json& stats, const hbSparseGridFile& fi
 
 void run(Options& options, const app::CommonOptions& common) {
   checkNames(options);
+  common.checkOutputs({options.files.back()});
   const std::string out = options.files.back();
   const auto start = std::chrono::steady_clock::now();
   hbInput input;

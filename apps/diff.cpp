@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <string>
 #include <variant>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/MetricLimits.h"
 #include "apps/Program.h"
 #include "report/hbFieldDifference.h"
 #include "report/hbPictureDifference.h"
@@ -28,10 +30,10 @@ struct Options {
   bool json = false;
   int component = 0;
   std::int64_t points = std::int64_t{1} << 20;
-  std::vector<std::string> failAbove;
+  app::MetricLimits limits;
 };
 
-bool isPicture(const std::string& name) { return name.ends_with(".exr") || name.ends_with(".png"); }
+bool isPicture(const std::string& name) { return app::extension(name) == ".exr" || app::extension(name) == ".png"; }
 
 Json optionalJson(const std::optional<double>& value) { return value ? app::finiteOrNull(*value) : Json(); }
 
@@ -67,11 +69,11 @@ Json volumes(const Options& options, const app::CommonOptions& common) {
   const bool sameSize = a.geometry().size == b.geometry().size;
   hbErrorStatistics errors;
   std::string against = "all samples";
-  if (a.volume && b.volume)
+  if (a.volume && b.volume && !(sameSize && options.a.nanValue))
     errors = hb::volumeDifference(*a.volume, *b.volume, options.component, app::progress());
   else if (a.volume && sameSize)
-    errors = hb::fieldVolumeDifference(*a.volume, *b.field(hbEngine::automatic), options.component, options.a.nanValue,
-                                       app::progress());
+    errors = hb::fieldVolumeDifference(*a.volume, *b.field(hbEngine::automatic, options.a.nanValue), options.component,
+                                       options.a.nanValue, app::progress());
   else {
     errors = hb::fieldDifference(*a.field(hbEngine::automatic, options.a.nanValue),
                                  *b.field(hbEngine::automatic, options.a.nanValue), options.component, options.points,
@@ -89,39 +91,33 @@ Json volumes(const Options& options, const app::CommonOptions& common) {
           {"against", against}};
 }
 
-/// One line for each METRIC=VALUE that is exceeded; throws hbError for what is no such pair.
-std::vector<std::string> exceeded(const Options& options, const Json& result) {
-  std::vector<std::string> lines;
-  for (const std::string& item : options.failAbove) {
-    const std::size_t equals = item.find('=');
-    const std::string metric = item.substr(0, equals);
-    if (equals == std::string::npos || !result.contains(metric) || metric == "kind" || metric == "against")
-      throw hbError(fmt::format(
-          "--fail-above: expected METRIC=VALUE with max, rmse, psnr, ssim, luv_mean or luv_max, found '{}'", item));
-    const double limit = app::parseNumbers(item.substr(equals + 1), 1, 1, "--fail-above").front();
-    // null stands for infinity: of an error it is above any limit; of psnr it says that nothing differs.
-    const bool infinite = result[metric].is_null() && (metric == "max" || metric == "rmse");
-    if (infinite || (!result[metric].is_null() && result[metric].get<double>() > limit))
-      lines.push_back(fmt::format("{} is {}, above {}", metric, infinite ? "infinite" : result[metric].dump(), limit));
+void print(const Json& result) {
+  for (const auto& [key, value] : result.items()) {
+    if (value.is_string())
+      fmt::print("{:<10}{}\n", key, value.get<std::string>());
+    else if (!value.is_null())
+      fmt::print("{:<10}{}\n", key, value.dump());
+    else if (key == "max" || key == "rmse")
+      fmt::print("{:<10}infinite\n", key);
+    else if (key == "psnr")
+      fmt::print("{:<10}{}\n", key,
+                 app::metricValue(result, key) > 0.0 ? "none: nothing differs"
+                                                     : "none: an infinite error, or a reference of one value");
   }
-  return lines;
 }
 
 void run(const Options& options, const app::CommonOptions& common) {
+  options.limits.check(); // before any work
+  common.checkOutputs({options.out});
   const Json result = isPicture(options.a.name) || isPicture(options.b) ? pictures(options) : volumes(options, common);
   if (options.json)
     fmt::print("{}\n", result.dump(2));
   else
-    for (const auto& [key, value] : result.items())
-      if (!value.is_null())
-        fmt::print("{:<10}{}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-      else if (key == "psnr")
-        fmt::print("{:<10}{}\n", key, "none: nothing differs, or the reference has no range");
+    print(result);
   common.writeStats(result);
   if (!options.out.empty()) writeSideBySide(options);
   std::fflush(stdout);
-  if (const auto lines = exceeded(options, result); !lines.empty())
-    throw hbError(fmt::format("{}", fmt::join(lines, "; ")));
+  options.limits.apply(result);
 }
 
 } // namespace
@@ -141,7 +137,9 @@ void addDiff(CLI::App& program, app::CommonOptions& common) {
       ->capture_default_str();
   command->add_option("--out", options->out, "Pictures: write A, B and their absolute difference side by side")
       ->type_name("OUT.png");
-  command->add_option("--fail-above", options->failAbove, "Exit with 1 if a metric is above a value: max=0.5")
+  command->add_option("--fail-above", options->limits.above, "Exit with 1 if a metric is above a value: max=0.5")
+      ->type_name("METRIC=VALUE");
+  command->add_option("--fail-below", options->limits.below, "Exit with 1 if a metric is below a value: psnr=40")
       ->type_name("METRIC=VALUE");
   command->callback([options, &common] { run(*options, common); });
 }

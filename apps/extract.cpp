@@ -17,6 +17,7 @@ struct Options {
 };
 
 void run(const Options& options, const app::CommonOptions& common) {
+  common.checkOutputs({options.out});
   const hbInput input = options.input.open(common, app::progress());
   hbGeometry geometry = input.geometry();
   if (!options.size.empty()) {

@@ -28,6 +28,7 @@ std::string knownFields() {
 }
 
 void run(const Options& options, const app::CommonOptions& common) {
+  common.checkOutputs({options.out});
   const auto sizes = app::parseSizes(options.size, 3, "--size");
   const auto field = hbAnalyticField::create(options.name)->withSize({sizes[0], sizes[1], sizes[2]});
   const auto start = std::chrono::steady_clock::now();

@@ -95,7 +95,7 @@ Json describe(const Options& options, const app::CommonOptions& common) {
 void run(const Options& options, const app::CommonOptions& common) {
   const Json info = describe(options, common);
   if (options.json)
-    fmt::print("{}\n", info.dump(2));
+    fmt::print("{}\n", info.dump(2, ' ', false, Json::error_handler_t::replace));
   else
     app::printInfo(info, options.histogram);
   common.writeStats(info);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 #include <unistd.h>
@@ -29,7 +30,8 @@ void printError(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
   ::alarm(0); // an interrupt's last resort would say it again
-  fmt::print(stderr, "hbvol: error: {}\n", text);
+  app::clearProgress();
+  std::fputs(("hbvol: error: " + text + "\n").c_str(), stderr); // stderr may be closed: no reason to die
 }
 
 int fail(const char* text) {
@@ -37,9 +39,19 @@ int fail(const char* text) {
   return kFailed;
 }
 
+/// Descriptors 0 to 2 that the caller closed would be given to the first files opened, and messages written into them.
+void openStandardStreams() {
+  for (int file = ::open("/dev/null", O_RDWR); file >= 0; file = ::open("/dev/null", O_RDWR))
+    if (file > STDERR_FILENO) {
+      ::close(file);
+      return;
+    }
+}
+
 } // namespace
 
 int main(int count, char** arguments) {
+  openStandardStreams();
   app::handleInterrupts();
   app::CommonOptions common;
   common.command = commandLine(count, arguments);

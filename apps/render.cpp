@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,7 +32,7 @@ struct Options {
 };
 
 void writePicture(const hbPicture& picture, const hbScene& scene, const std::string& path) {
-  if (path.ends_with(".exr"))
+  if (app::extension(path) == ".exr")
     hb::writeExr(picture, path);
   else
     hb::writePng(hb::displayImage(picture, scene), path);
@@ -44,8 +45,9 @@ void warnOfEmptyPicture(const hbScene& scene, const hbHistogram& histogram) {
 }
 
 void run(const Options& options, const app::CommonOptions& common) {
-  if (!options.out.ends_with(".exr") && !options.out.ends_with(".png"))
+  if (app::extension(options.out) != ".exr" && app::extension(options.out) != ".png")
     throw hbError(fmt::format("{}: expected a name that ends with .exr or .png", options.out));
+  common.checkOutputs({options.out, options.saveScene});
   const auto seconds = [](Clock::time_point from) {
     return std::chrono::duration<double>(Clock::now() - from).count();
   };
@@ -87,6 +89,9 @@ void run(const Options& options, const app::CommonOptions& common) {
   const std::vector<float>& covered = *picture.find("A");
   if (scene.mode == hbMode::iso && std::all_of(covered.begin(), covered.end(), [](float a) { return a == 0.0F; }))
     warnOfEmptyPicture(scene, histogram);
+  const std::vector<float>& shown = *picture.find("Y");
+  if (std::any_of(shown.begin(), shown.end(), [](float y) { return !std::isfinite(y); }))
+    fmt::print(stderr, "hbvol: warning: NaN or infinite samples show in the picture; --nan-value V replaces them\n");
   picture.metadata["hbvol.engine"] = hb::engineName(engine);
   picture.metadata["hbvol.input"] = input.name;
   if (!options.saveScene.empty()) hb::saveScene(raycaster.scene(), options.saveScene);

@@ -74,7 +74,9 @@ Files findFiles(const std::string& pattern) {
   Files files;
   std::error_code error;
   const fs::directory_iterator entries(parsed.folder, error);
-  if (error) throw hbError(fmt::format("{}: the folder cannot be read: {}", pattern, error.message()));
+  if (error)
+    throw hbError(
+        fmt::format("{}: expected component grids in files of such names, found none: {}", pattern, error.message()));
   for (const auto& entry : entries)
     if (const auto levels = match(parsed, entry.path().filename().string()))
       files.emplace(std::tuple(levels->x, levels->y, levels->z), entry.path());
@@ -161,8 +163,9 @@ hbSparseGrid hb::readComponentGrids(const std::string& pattern, const hbReadOpti
   for (const auto& grid : wanted) {
     const auto found = files.find({grid.levels.x, grid.levels.y, grid.levels.z});
     if (found == files.end())
-      throw hbError(fmt::format("{}: expected a file of levels {}, {}, {}, too, as the files' levels need it, found none", pattern, grid.levels.x,
-                                grid.levels.y, grid.levels.z));
+      throw hbError(
+          fmt::format("{}: expected a file of levels {}, {}, {}, too, as the files' levels need it, found none",
+                      pattern, grid.levels.x, grid.levels.y, grid.levels.z));
     const hbVolume volume = hb::readVolume(found->second, options);
     if (volume.geometry().size != grid.nodes || volume.components() != first.components())
       throw hbError(fmt::format("{}: expected {} x {} x {} samples of {} components, found {} x {} x {} of {}",

@@ -84,7 +84,7 @@ hbIndexSet hbIndexSet::fromList(const std::vector<glm::ivec3>& levels, const glm
       if (l[d] < 0 || l[d] > (flat[d] ? 0 : kMaxLevel))
         throw hbError(fmt::format("{}: expected levels from 0 to {} along {}, found {}", what, flat[d] ? 0 : kMaxLevel,
                                   "xyz"[d], l[d]));
-  const hbIndexSet set(levels, flat);
+  const hbIndexSet set(levels, flat, what);
   if (set.subspaces_.size() != levels.size()) throw hbError(fmt::format("{}: expected each subspace once", what));
   for (const glm::ivec3& l : levels)
     for (int d = 0; d < 3; ++d) {
@@ -98,7 +98,8 @@ hbIndexSet hbIndexSet::fromList(const std::vector<glm::ivec3>& levels, const glm
   return set;
 }
 
-hbIndexSet::hbIndexSet(const std::vector<glm::ivec3>& levels, const glm::bvec3& flat) : flat_(flat) {
+hbIndexSet::hbIndexSet(const std::vector<glm::ivec3>& levels, const glm::bvec3& flat, const std::string& what)
+    : flat_(flat) {
   for (const glm::ivec3& l : levels) finest_ = glm::max(finest_, l);
   std::vector<glm::ivec3> ordered = levels;
   const auto key = [](const glm::ivec3& l) { return std::tuple(levelNumber(l), l.z, l.y, l.x); };
@@ -114,7 +115,7 @@ hbIndexSet::hbIndexSet(const std::vector<glm::ivec3>& levels, const glm::bvec3& 
     // At most 2^57 for one subspace and kMaxLevel; a set of them could overflow.
     if (__builtin_add_overflow(storedValues_, subspace.count(), &storedValues_) ||
         storedValues_ > (std::int64_t{1} << 60))
-      throw hbError("index set: expected fewer than 2^60 values in all");
+      throw hbError(fmt::format("{}: expected fewer than 2^60 values in all", what));
     place_[slot(l)] = int(subspaces_.size());
     subspaces_.push_back(subspace);
   }

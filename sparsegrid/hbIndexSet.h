@@ -83,7 +83,7 @@ public:
   static AxisNode axisNode(bool flat, int level, std::int64_t k);
 
 private:
-  hbIndexSet(const std::vector<glm::ivec3>& levels, const glm::bvec3& flat);
+  hbIndexSet(const std::vector<glm::ivec3>& levels, const glm::bvec3& flat, const std::string& what = "index set");
   std::size_t slot(const glm::ivec3& levels) const;
 
   glm::bvec3 flat_{false};
