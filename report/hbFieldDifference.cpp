@@ -67,40 +67,32 @@ private:
 
 } // namespace
 
-hbErrorStatistics hb::sampledVolumeDifference(const hbVolume& reference, const hbField& field, int component,
-                                              std::int64_t count, std::optional<double> nonFinite,
-                                              hbProgress& progress) {
+hbErrorStatistics hb::randomSampleDifference(const hbVolume& reference,
+                                             const std::function<double(const glm::dvec3& point)>& valueAt,
+                                             int component, std::int64_t points, std::optional<double> nonFinite,
+                                             hbProgress& progress) {
   const hbSize3 size = reference.geometry().size;
-  const hbValueMap map = field.valueMap();
   // A sample costs a page of a mapped file: two parts at a time are 64 MB.
   constexpr std::int64_t kPartsBetweenReleases = 2;
-  const std::int64_t parts = (count + kPart - 1) / kPart;
-  progress.begin("measuring errors", count, "samples");
+  const std::int64_t parts = (points + kPart - 1) / kPart;
+  progress.begin("measuring errors", points, "samples");
   hbErrorStatistics sum;
   for (std::int64_t first = 0; first < parts; first += kPartsBetweenReleases) {
     sum.merge(inParts(std::min(kPartsBetweenReleases, parts - first), [&](std::int64_t offset) {
-      const std::int64_t part = first + offset;
-      const std::size_t own = std::size_t(std::min(kPart, count - part * kPart));
+      const std::int64_t part = first + offset, own = std::min(kPart, points - part * kPart);
       Random random(part);
-      std::vector<float> x(own), y(own), z(own), found(own);
-      std::vector<double> truth(own);
-      for (std::size_t i = 0; i < own; ++i) {
-        hbSize3 at;
+      hbErrorStatistics errors;
+      for (std::int64_t i = 0; i < own; ++i) {
+        hbSize3 sample;
         glm::dvec3 place;
         for (int d = 0; d < 3; ++d) {
-          at[d] = std::int64_t(random.unit() * double(size[d]));
-          place[d] = size[d] == 1 ? 0.5 : double(at[d]) / double(size[d] - 1);
+          sample[d] = std::int64_t(random.unit() * double(size[d]));
+          place[d] = size[d] == 1 ? 0.5 : double(sample[d]) / double(size[d] - 1);
         }
-        const double value = reference.value(at.x, at.y, at.z, component);
-        truth[i] = nonFinite && !std::isfinite(value) ? *nonFinite : value;
-        x[i] = float(place.x);
-        y[i] = float(place.y);
-        z[i] = float(place.z);
+        const double truth = reference.value(sample.x, sample.y, sample.z, component);
+        errors.add(nonFinite && !std::isfinite(truth) ? *nonFinite : truth, valueAt(place));
       }
-      field.values({x, y, z}, component, found);
-      hbErrorStatistics errors;
-      for (std::size_t i = 0; i < own; ++i) errors.add(truth[i], map.toTrue(found[i]));
-      progress.advance(std::int64_t(own));
+      progress.advance(own);
       return errors;
     }));
     reference.releasePages();

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+
+#include <glm/vec3.hpp>
 
 #include "report/hbErrorStatistics.h"
 #include "volume/hbField.h"
@@ -17,11 +20,13 @@ hbErrorStatistics fieldVolumeDifference(const hbVolume& reference, const hbField
                                         std::optional<double> nonFinite = std::nullopt,
                                         hbProgress& progress = hbProgress::none());
 
-/// The same at `count` randomly chosen samples, the same ones every time: for volumes too large to be read whole. Of a
+/// The same at `points` random samples of a volume too large to be read whole, the same ones every time; a sample may
+/// be drawn twice. `valueAt` gives the true data value at a point of the cube and is called by several threads. Of a
 /// mapped volume, what was read is released now and then, so that memory stays bounded.
-hbErrorStatistics sampledVolumeDifference(const hbVolume& reference, const hbField& field, int component,
-                                          std::int64_t count, std::optional<double> nonFinite = std::nullopt,
-                                          hbProgress& progress = hbProgress::none());
+hbErrorStatistics randomSampleDifference(const hbVolume& reference,
+                                         const std::function<double(const glm::dvec3& point)>& valueAt, int component,
+                                         std::int64_t points, std::optional<double> nonFinite = std::nullopt,
+                                         hbProgress& progress = hbProgress::none());
 
 /// The errors of a field against another one at `points` random points of the cube, the same ones every time.
 hbErrorStatistics fieldDifference(const hbField& reference, const hbField& field, int component, std::int64_t points,

@@ -16,6 +16,10 @@ namespace {
 hbInput atLevel(hbInput input, int level) {
   if (!input.analytic || level == 0) return input;
   hbSize3 size = input.analytic->geometry().size;
+  if (3 * level >= 60 && size.x > 2 && size.y > 2 && size.z > 2)
+    throw hbError(
+        fmt::format("{}: expected a level up to 19 (its full grid must have fewer than 2^60 samples), found {}",
+                    input.name, level));
   for (int d = 0; d < 3; ++d)
     if (size[d] > 2) size[d] = (std::int64_t{1} << level) + 1;
   input.analytic = input.analytic->withSize(size);
@@ -59,9 +63,10 @@ hbErrorRecord hbSparseCompression::errorsOf(const hbInput& input, const hbField&
   const bool all = input.volume && (measure == Measure::all || (measure == Measure::automatic && mayScan(input)));
   hbErrorRecord record;
   for (int c = 0; c < grid.components(); ++c) {
+    const auto valueAt = [&](const glm::dvec3& p) { return grid.valueMap().toTrue(grid.calcValue(p, c)); };
     const hbErrorStatistics errors =
         all            ? hb::fieldVolumeDifference(*input.volume, grid, c, nonFinite, progress)
-        : input.volume ? hb::sampledVolumeDifference(*input.volume, grid, c, kRandomSamples, nonFinite, progress)
+        : input.volume ? hb::randomSampleDifference(*input.volume, valueAt, c, kRandomSamples, nonFinite, progress)
                        : hb::fieldDifference(source, grid, c, kRandomPoints, progress);
     if (!std::isfinite(errors.max))
       throw hbError(fmt::format("{}: expected finite samples, found NaN or infinite ones; --nan-value V replaces them",
