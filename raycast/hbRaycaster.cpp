@@ -190,7 +190,7 @@ private:
 
   void refine() {
     // Every bracket is one step long at first, so all of them are done after the same number of rounds.
-    for (double fraction = 1.0; fraction > hbRaycaster::kIsoBracket; fraction *= 0.5) {
+    for (int round = 0; round < hbRaycaster::kIsoRounds; ++round) {
       batch_.clear();
       for (const Crossing& c : crossings_) batch_.add(c.segment.at(0.5 * (c.a + c.b)));
       batch_.evaluate(frame_.field, frame_.scene.component);

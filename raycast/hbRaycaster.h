@@ -20,8 +20,10 @@
 /// the OpenGL path can do no better.
 class hbRaycaster {
 public:
-  /// Iso-surface: the crossing is bracketed to this fraction of a step, then placed by linear interpolation.
-  static constexpr double kIsoBracket = 1.0 / 1024.0;
+  /// Iso-surface: so many bisections bracket the crossing to kIsoBracket of a step; then it is placed by linear
+  /// interpolation.
+  static constexpr int kIsoRounds = 10;
+  static constexpr double kIsoBracket = 1.0 / (1 << kIsoRounds);
 
   /// Keeps a reference to `field`. Throws hbError for an invalid scene, a component the field lacks, an iso mode
   /// without an iso-value. `scene.magnitude` is not looked at: pass an hbMagnitudeField.

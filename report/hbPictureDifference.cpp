@@ -29,10 +29,11 @@ using Moments = std::array<double, kMoments>;
 /// One factor of the separable Gaussian window, adding up to 1.
 std::array<double, kWindow> gaussian() {
   constexpr double kSigma = 1.5;
+  constexpr int kCentre = kWindow / 2;
   std::array<double, kWindow> weights{};
   double sum = 0.0;
   for (int i = 0; i < kWindow; ++i) {
-    const double distance = i - kWindow / 2;
+    const double distance = i - kCentre;
     sum += weights[std::size_t(i)] = std::exp(-distance * distance / (2.0 * kSigma * kSigma));
   }
   for (double& weight : weights) weight /= sum;

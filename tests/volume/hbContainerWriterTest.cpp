@@ -69,8 +69,8 @@ RC_GTEST_PROP(hbContainerWriter, EveryChunkComesBackHoweverTheFileGrew, ()) {
   // Few distinct numbers and the largest ones, so that ids differ in every member and collide now and then.
   const auto small = rc::gen::element<std::uint32_t>(0, 1, 2, std::numeric_limits<std::uint32_t>::max());
   const auto key = rc::gen::element<std::uint64_t>(0, 1, kNoLimit);
-  const int sessions = *rc::gen::inRange(1, 4);
-  for (int session = 0; session < sessions; ++session) {
+  const int rounds = *rc::gen::inRange(1, 4);
+  for (int round = 0; round < rounds; ++round) {
     const auto fill = [&](hbContainerWriter& writer) {
       const int count = *rc::gen::inRange(0, 6);
       for (int i = 0; i < count; ++i) {
@@ -89,7 +89,7 @@ RC_GTEST_PROP(hbContainerWriter, EveryChunkComesBackHoweverTheFileGrew, ()) {
       }
       writer.commit();
     };
-    if (session == 0) {
+    if (round == 0) {
       hbContainerWriter writer(path);
       fill(writer);
     } else {
