@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -89,7 +90,7 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
   // 8 bytes a node while hierarchising, 4 a component for the surpluses, and as much again while they are packed.
   const double need = double(set.storedValues()) * (12.0 + 8.0 * input.components());
   if (need > double(memoryLimit))
-    throw hbError(fmt::format("{}: level {} needs about {:.0f} MB, more than the memory limit of {:.0f} MB", input.name,
+    throw hbError(fmt::format("{}: level {} needs about {:.3g} MB, more than the memory limit of {:.3g} MB", input.name,
                               set.number(), need / 0x1p20, double(memoryLimit) / 0x1p20));
   if (input.volume && !mayScan(input)) input.volume->adviseScatteredReads();
   std::optional<hbRangeRecord> range;
@@ -106,8 +107,8 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
     }
   };
   hbSparseGridFile file{interpolate(), {}, std::move(range), {}, {}};
-  if (input.volume) input.volume->releasePages();
   if (input.volume) {
+    input.volume->releasePages();
     file.info.sampleType = input.volume->type();
     file.info.slope = input.volume->slope();
     file.info.intercept = input.volume->intercept();

@@ -7,20 +7,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "tests/report/hbTestVolumes.h"
 #include "volume/hbError.h"
-
-namespace {
-
-hbVolume volumeOf(const hbSize3& size, unsigned seed, int components = 1) {
-  hbGeometry g;
-  g.size = size;
-  std::vector<float> samples(std::size_t(g.samples() * components));
-  std::uint32_t state = seed;
-  for (float& sample : samples) sample = float((state = state * 1664525U + 1013904223U) >> 8U) / 1e5F;
-  return hbVolume::fromSamples(g, std::move(samples), components);
-}
-
-} // namespace
 
 TEST(hbValueDifference, IsTheSumOverAllSamples) {
   // More rows than slabs, and rows longer than a piece.
