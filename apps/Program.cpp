@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "volume/hbError.h"
+#include "volume/hbInstructionSet.h"
 #include "volume/hbOutputFile.h"
 
 namespace app {
@@ -54,6 +55,7 @@ void CommonOptions::checkOutputs(std::vector<std::string> names) const {
 void CommonOptions::writeStats(nlohmann::ordered_json statistics) const {
   if (stats.empty()) return;
   statistics["version"] = HBVOL_VERSION;
+  statistics["instruction_set"] = hb::instructionSet();
   statistics["command"] = command;
   hbOutputFile file(stats);
   const std::string text = statistics.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -124,10 +126,11 @@ hbInput InputOptions::open(const std::string& file, const CommonOptions& common,
 std::shared_ptr<const hbField> InputOptions::field(const hbInput& input, const std::string& engine,
                                                    const CommonOptions& common) const {
   const hbEngine chosen = input.engine(hb::engineFromName(engine));
-  if (chosen == hbEngine::combination && input.sparse)
-    common.checkMemory(double(sizeof(float)) * double(input.sparse->grid.indexSet().combinationValues()) *
-                           input.components(),
-                       input.name);
+  if (input.sparse && (chosen == hbEngine::combination || chosen == hbEngine::seminodal)) {
+    const hbIndexSet& set = input.sparse->grid.indexSet();
+    const std::int64_t values = chosen == hbEngine::combination ? set.combinationValues() : set.storedValues();
+    common.checkMemory(double(sizeof(float)) * double(values) * input.components(), input.name);
+  }
   return input.field(chosen, nanValue);
 }
 

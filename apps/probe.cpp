@@ -90,7 +90,8 @@ void addProbe(CLI::App& program, app::CommonOptions& common) {
   command->add_option("--space", options->space, "What the coordinates and gradients are in: world, or the unit cube")
       ->check(CLI::IsMember({"world", "cube"}))
       ->capture_default_str();
-  command->add_option("--engine", options->engine, "auto, full, direct or combination")->capture_default_str();
+  command->add_option("--engine", options->engine, "auto, full, seminodal, direct or combination")
+      ->capture_default_str();
   command->add_option("--component", options->component, "Which component, from 0")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -141,7 +141,7 @@ void addRender(CLI::App& program, app::CommonOptions& common) {
       ->type_name("S.json");
   command
       ->add_option("--engine", options->engine,
-                   "auto, full (plain volumes and fields), direct or combination (sparse grids)")
+                   "auto, full (plain volumes and fields); seminodal, direct or combination (sparse grids)")
       ->group("Rendering")
       ->capture_default_str();
   command->add_option("--repeat", options->repeat, "Frames to time; the median is reported")

@@ -35,6 +35,11 @@ const hbSparseGrid& bench::sparseGrid(int level) {
   });
 }
 
+const hbSemiNodalGrid& bench::semiNodal(int level) {
+  static std::map<int, hbSemiNodalGrid> known;
+  return once(known, level, [](int n) { return hbSemiNodalGrid(sparseGrid(n)); });
+}
+
 const hbCombinationSparseGrid& bench::combination(int level) {
   static std::map<int, hbCombinationSparseGrid> known;
   return once(known, level, [](int n) { return hbCombinationSparseGrid(sparseGrid(n)); });

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sparsegrid/hbCombinationSparseGrid.h"
+#include "sparsegrid/hbSemiNodalGrid.h"
 #include "sparsegrid/hbSparseGrid.h"
 #include "volume/hbVolumeField.h"
 
@@ -15,6 +16,7 @@ class Points {
 public:
   explicit Points(std::size_t count);
   hbPoints view() const { return {x_, y_, z_}; }
+  glm::vec3 at(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
 
 private:
   std::vector<float> x_, y_, z_;
@@ -22,6 +24,9 @@ private:
 
 /// The regular grid of that level, uncapped: the sparse-grid paper's.
 const hbSparseGrid& sparseGrid(int level);
+
+/// The same grid, nodal along x.
+const hbSemiNodalGrid& semiNodal(int level);
 
 /// The same grid's component grids.
 const hbCombinationSparseGrid& combination(int level);

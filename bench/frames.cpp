@@ -17,6 +17,7 @@ void frame(benchmark::State& state, const hbField& field) {
 }
 
 void frameDirect(benchmark::State& state) { frame(state, bench::sparseGrid(int(state.range(0)))); }
+void frameSemiNodal(benchmark::State& state) { frame(state, bench::semiNodal(int(state.range(0)))); }
 void frameCombination(benchmark::State& state) { frame(state, bench::combination(int(state.range(0)))); }
 void frameFull(benchmark::State& state) { frame(state, bench::volume(int(state.range(0)))); }
 
@@ -27,5 +28,6 @@ void wall(benchmark::internal::Benchmark* b) {
 } // namespace
 
 BENCHMARK(frameDirect)->Name("xray-frame/direct")->ArgName("level")->Arg(8)->Apply(wall);
+BENCHMARK(frameSemiNodal)->Name("xray-frame/seminodal")->ArgName("level")->Arg(8)->Apply(wall);
 BENCHMARK(frameCombination)->Name("xray-frame/combination")->ArgName("level")->Arg(8)->Apply(wall);
 BENCHMARK(frameFull)->Name("xray-frame/full")->ArgName("size")->Arg(129)->Apply(wall);

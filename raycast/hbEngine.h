@@ -5,9 +5,10 @@
 
 /// The ways to evaluate a field at any point.
 enum class hbEngine : std::uint8_t {
-  automatic,   ///< The best one for the input: full for volumes and analytic fields, direct for sparse grids.
+  automatic,   ///< The best one for the input: full for volumes and analytic fields, seminodal for sparse grids.
   full,        ///< Trilinear interpolation of a plain volume (an analytic field: its formula).
   direct,      ///< A sparse grid's basis functions, subspace by subspace.
+  seminodal,   ///< A sparse grid's lines along x, nodal there and hierarchical across: the fast one.
   combination, ///< A sparse grid's component grids, each trilinear.
 };
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sparsegrid/hbCombinationSparseGrid.h"
+#include "sparsegrid/hbSemiNodalGrid.h"
 #include "volume/hbContainerReader.h"
 #include "volume/hbError.h"
 #include "volume/hbVolumeField.h"
@@ -61,17 +62,18 @@ int hbInput::components() const { return volume ? volume->components() : analyti
 
 hbEngine hbInput::engine(hbEngine asked) const {
   if (asked != hbEngine::automatic) return asked;
-  return sparse ? hbEngine::direct : hbEngine::full;
+  return sparse ? hbEngine::seminodal : hbEngine::full;
 }
 
 std::shared_ptr<const hbField> hbInput::field(hbEngine asked, std::optional<double> nonFinite) const {
   const hbEngine chosen = engine(asked);
   if ((chosen == hbEngine::full) == (sparse != nullptr))
     throw hbError(fmt::format("{}: the engine {} cannot evaluate {}", name, hb::engineName(chosen),
-                              sparse ? "a sparse grid; expected direct or combination"
+                              sparse ? "a sparse grid; expected seminodal, direct or combination"
                                      : "a plain volume; compress it first, or use the engine full"));
   if (volume) return std::make_shared<const hbVolumeField>(*volume, volume->chooseValueMap(), nonFinite);
   if (analytic) return analytic;
+  if (chosen == hbEngine::seminodal) return std::make_shared<const hbSemiNodalGrid>(sparse->grid);
   if (chosen == hbEngine::combination) return std::make_shared<const hbCombinationSparseGrid>(sparse->grid);
   return {sparse, &sparse->grid};
 }

@@ -35,7 +35,8 @@ struct hbInput {
 
   /// The field that evaluates the input with that engine; it shares the input's data. NaN and infinite samples of a
   /// volume count as `nonFinite` where it is given. Throws hbError for an engine that cannot evaluate this
-  /// representation. The combination is built here: 4 bytes for each value of hbIndexSet::combinationValues().
+  /// representation. The engines seminodal and combination are built here: 4
+  /// bytes for each of hbIndexSet::storedValues(), or of combinationValues().
   std::shared_ptr<const hbField> field(hbEngine engine, std::optional<double> nonFinite = std::nullopt) const;
 
   /// What `automatic` stands for here.

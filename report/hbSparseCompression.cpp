@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 
 #include "report/hbFieldDifference.h"
+#include "sparsegrid/hbSemiNodalGrid.h"
 #include "volume/hbError.h"
 #include "volume/hbHistogram.h"
 
@@ -62,13 +63,14 @@ hbErrorRecord hbSparseCompression::errorsOf(const hbInput& input, const hbField&
                                             hbProgress& progress) const {
   using Reference = hbErrorRecord::Reference;
   const bool all = input.volume && (measure == Measure::all || (measure == Measure::automatic && mayScan(input)));
+  const hbSemiNodalGrid fast(grid); // the same function
   hbErrorRecord record;
   for (int c = 0; c < grid.components(); ++c) {
     const auto valueAt = [&](const glm::dvec3& p) { return grid.valueMap().toTrue(grid.calcValue(p, c)); };
     const hbErrorStatistics errors =
-        all            ? hb::fieldVolumeDifference(*input.volume, grid, c, nonFinite, progress)
+        all            ? hb::fieldVolumeDifference(*input.volume, fast, c, nonFinite, progress)
         : input.volume ? hb::randomSampleDifference(*input.volume, valueAt, c, kRandomSamples, nonFinite, progress)
-                       : hb::fieldDifference(source, grid, c, kRandomPoints, progress);
+                       : hb::fieldDifference(source, fast, c, kRandomPoints, progress);
     if (!std::isfinite(errors.max))
       throw hbError(fmt::format("{}: expected finite samples, found NaN or infinite ones; --nan-value V replaces them",
                                 input.name));
@@ -87,8 +89,9 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
     throw hbError(fmt::format("{}: expected a volume or a field, found a sparse grid", original.name));
   const hbInput input = atLevel(original, level);
   const hbIndexSet set = indexSet(input);
-  // 8 bytes a node while hierarchising, 4 a component for the surpluses, and as much again while they are packed.
-  const double need = double(set.storedValues()) * (12.0 + 8.0 * input.components());
+  // 8 bytes a node while hierarchising, 4 a component for the surpluses, and as much again for the form that errors are
+  // measured with, and while they are packed.
+  const double need = double(set.storedValues()) * (12.0 + 12.0 * input.components());
   if (need > double(memoryLimit))
     throw hbError(fmt::format("{}: level {} needs about {:.3g} MB, more than the memory limit of {:.3g} MB", input.name,
                               set.number(), need / 0x1p20, double(memoryLimit) / 0x1p20));

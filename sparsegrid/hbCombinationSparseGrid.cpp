@@ -1,9 +1,13 @@
 #include "sparsegrid/hbCombinationSparseGrid.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+
+#include <fmt/format.h>
+
+#include "sparsegrid/kernels/hbCombinationKernel.h"
+#include "volume/hbError.h"
 
 namespace {
 
@@ -25,86 +29,85 @@ Cell cellOf(float u, std::int64_t nodes) {
 
 float lerp(float a, float b, float t) { return a + t * (b - a); }
 
-struct Corners {
-  std::array<float, 8> v; ///< x fastest
-  Corners(const std::vector<float>& values, const hbSize3& nodes, const Cell& x, const Cell& y, const Cell& z) {
-    const float* at = values.data() + x.index + nodes.x * (y.index + nodes.y * z.index);
-    const std::int64_t dy = nodes.x * y.step, dz = nodes.x * nodes.y * z.step;
-    v = {at[0], at[x.step], at[dy], at[dy + x.step], at[dz], at[dz + x.step], at[dz + dy], at[dz + dy + x.step]};
-  }
-};
-
 float clamped(float u) { return u > 0.0F ? std::min(u, 1.0F) : 0.0F; }
 
-} // namespace
-
-hbCombinationSparseGrid::hbCombinationSparseGrid(const hbSparseGrid& grid)
-    : frame_(grid.frame()), scale_(grid.latticeScale()) {
-  const hbIndexSet& set = grid.indexSet();
-  for (const hbIndexSet::ComponentGrid& component : set.componentGrids())
-    grids_.push_back({component.levels, component.coefficient, component.nodes, {}});
-  for (int c = 0; c < grid.components(); ++c) {
-    const std::vector<double> nodal = grid.nodalValues(c);
-    for (Grid& to : grids_) {
-      std::vector<float>& values = to.values.emplace_back();
-      values.reserve(std::size_t(to.nodes.x * to.nodes.y * to.nodes.z));
-      for (std::int64_t k = 0; k < to.nodes.z; ++k) {
-        const auto [lz, iz] = hbIndexSet::axisNode(set.flat().z, to.levels.z, k);
-        for (std::int64_t j = 0; j < to.nodes.y; ++j) {
-          const auto [ly, iy] = hbIndexSet::axisNode(set.flat().y, to.levels.y, j);
-          for (std::int64_t i = 0; i < to.nodes.x; ++i) {
-            const auto [lx, ix] = hbIndexSet::axisNode(set.flat().x, to.levels.x, i);
-            const hbSubspace& from = set.subspace({lx, ly, lz});
-            values.push_back(float(nodal[std::size_t(from.offset + ix + from.nodes.x * (iy + from.nodes.y * iz))]));
-          }
-        }
+/// Copies the nodes of a component grid out of the values at all nodes of the sparse grid.
+void copyNodes(const hbIndexSet& set, const std::vector<double>& nodal, const hbCombinationSparseGrid::Grid& grid,
+               float* out) {
+  for (std::int64_t k = 0; k < grid.nodes.z; ++k) {
+    const auto [lz, iz] = hbIndexSet::axisNode(set.flat().z, grid.levels.z, k);
+    for (std::int64_t j = 0; j < grid.nodes.y; ++j) {
+      const auto [ly, iy] = hbIndexSet::axisNode(set.flat().y, grid.levels.y, j);
+      for (std::int64_t i = 0; i < grid.nodes.x; ++i) {
+        const auto [lx, ix] = hbIndexSet::axisNode(set.flat().x, grid.levels.x, i);
+        const hbSubspace& from = set.subspace({lx, ly, lz});
+        *out++ = float(nodal[std::size_t(from.offset + ix + from.nodes.x * (iy + from.nodes.y * iz))]);
       }
     }
   }
 }
 
-// Rounded once from the 64-bit product, as hbSparseGrid does it: both engines see the same point.
-glm::vec3 hbCombinationSparseGrid::latticePoint(const hbPoints& points, std::size_t i) const {
-  return glm::vec3(glm::dvec3(clamped(points.x[i]), clamped(points.y[i]), clamped(points.z[i])) * scale_);
+hbCombinationTerms termsOf(const hbSparseGrid& grid, const std::vector<hbCombinationSparseGrid::Grid>& grids) {
+  hbCombinationTerms terms;
+  for (int d = 0; d < 3; ++d)
+    terms.axes[std::size_t(d)] = {grid.indexSet().flat()[d], grid.indexSet().finest()[d], grid.latticeScale()[d]};
+  for (const auto& g : grids)
+    terms.grids.push_back({g.levels, g.coefficient, g.nodes.y == 1 ? 0 : g.nodes.x,
+                           g.nodes.z == 1 ? 0 : g.nodes.x * g.nodes.y, g.offset});
+  return terms;
+}
+
+} // namespace
+
+hbCombinationSparseGrid::hbCombinationSparseGrid(const hbSparseGrid& grid) : frame_(grid.frame()) {
+  const hbIndexSet& set = grid.indexSet();
+  std::int64_t count = 0;
+  for (const hbIndexSet::ComponentGrid& component : set.componentGrids()) {
+    grids_.push_back({component.levels, component.coefficient, component.nodes, count});
+    if (grids_.back().count() > std::numeric_limits<std::int32_t>::max())
+      throw hbError(fmt::format("component grid: expected fewer than 2^31 nodes, found {}", grids_.back().count()));
+    count += grids_.back().count();
+  }
+  for (int c = 0; c < grid.components(); ++c) {
+    const std::vector<double> nodal = grid.nodalValues(c);
+    // One value more than there are: on a flat x axis the kernel reads past the last one.
+    std::vector<float>& values = values_.emplace_back(std::size_t(count + 1), 0.0F);
+    for (const Grid& to : grids_) copyNodes(set, nodal, to, values.data() + to.offset);
+  }
+  terms_ = std::make_shared<const hbCombinationTerms>(termsOf(grid, grids_));
 }
 
 void hbCombinationSparseGrid::values(const hbPoints& points, int component, std::span<float> out) const {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const glm::vec3 u = latticePoint(points, i);
-    double sum = 0.0;
-    for (const Grid& grid : grids_) {
-      const Cell x = cellOf(u.x, grid.nodes.x), y = cellOf(u.y, grid.nodes.y), z = cellOf(u.z, grid.nodes.z);
-      const auto v = Corners(grid.values[std::size_t(component)], grid.nodes, x, y, z).v;
-      const float value = lerp(lerp(lerp(v[0], v[1], x.t), lerp(v[2], v[3], x.t), y.t),
-                               lerp(lerp(v[4], v[5], x.t), lerp(v[6], v[7], x.t), y.t), z.t);
-      sum += double(grid.coefficient) * double(value);
-    }
-    out[i] = float(sum);
-  }
+  hb::evaluateCombination(*terms_, values_[std::size_t(component)].data(), points, out, nullptr);
 }
 
 void hbCombinationSparseGrid::gradients(const hbPoints& points, int component, std::span<float> out,
                                         const hbGradients& gradient) const {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const glm::vec3 u = latticePoint(points, i);
-    double sum = 0.0;
-    glm::dvec3 slopes(0.0);
-    for (const Grid& grid : grids_) {
-      const Cell x = cellOf(u.x, grid.nodes.x), y = cellOf(u.y, grid.nodes.y), z = cellOf(u.z, grid.nodes.z);
-      const auto v = Corners(grid.values[std::size_t(component)], grid.nodes, x, y, z).v;
-      const float x00 = lerp(v[0], v[1], x.t), x10 = lerp(v[2], v[3], x.t), x01 = lerp(v[4], v[5], x.t),
-                  x11 = lerp(v[6], v[7], x.t);
-      const float xy0 = lerp(x00, x10, y.t), xy1 = lerp(x01, x11, y.t);
-      const glm::vec3 inCell(lerp(lerp(v[1] - v[0], v[3] - v[2], y.t), lerp(v[5] - v[4], v[7] - v[6], y.t), z.t),
-                             lerp(x10 - x00, x11 - x01, z.t), xy1 - xy0);
-      sum += double(grid.coefficient) * double(lerp(xy0, xy1, z.t));
-      slopes += double(grid.coefficient) * glm::dvec3(inCell) * glm::dvec3(grid.nodes - std::int64_t(1));
-    }
-    out[i] = float(sum);
-    gradient.dx[i] = float(slopes.x * scale_.x);
-    gradient.dy[i] = float(slopes.y * scale_.y);
-    gradient.dz[i] = float(slopes.z * scale_.z);
+  hb::evaluateCombination(*terms_, values_[std::size_t(component)].data(), points, out, &gradient);
+}
+
+void hbCombinationSparseGrid::values(const hbPoints64& points, int component, std::span<double> out) const {
+  hb::evaluateCombination(*terms_, values_[std::size_t(component)].data(), points, out, nullptr);
+}
+
+void hbCombinationSparseGrid::gradients(const hbPoints64& points, int component, std::span<double> out,
+                                        const hbGradients64& gradient) const {
+  hb::evaluateCombination(*terms_, values_[std::size_t(component)].data(), points, out, &gradient);
+}
+
+float hbCombinationSparseGrid::calcValue32(const glm::vec3& point, int component) const {
+  // Scales are exact in floats, so each product is rounded once, as it is everywhere else.
+  const auto u = [&](int d) { return clamped(point[d]) * float(terms_->axes[std::size_t(d)].scale); };
+  double sum = 0.0;
+  for (const Grid& grid : grids_) {
+    const Cell x = cellOf(u(0), grid.nodes.x), y = cellOf(u(1), grid.nodes.y), z = cellOf(u(2), grid.nodes.z);
+    const float* v = values(grid, component).data() + x.index + grid.nodes.x * (y.index + grid.nodes.y * z.index);
+    const std::int64_t dy = grid.nodes.x * y.step, dz = grid.nodes.x * grid.nodes.y * z.step;
+    const auto along = [&](std::int64_t corner) { return lerp(v[corner], v[corner + dy], y.t); };
+    const float lower = lerp(along(0), along(dz), z.t), upper = lerp(along(x.step), along(x.step + dz), z.t);
+    sum += double(float(grid.coefficient) * lerp(lower, upper, x.t));
   }
+  return float(sum);
 }
 
 hbRange hbCombinationSparseGrid::range(const hbBox& box, int component) const {
@@ -112,15 +115,15 @@ hbRange hbCombinationSparseGrid::range(const hbBox& box, int component) const {
   for (const Grid& grid : grids_) {
     hbSize3 first, last;
     for (int d = 0; d < 3; ++d) {
-      first[d] = cellOf(float(clamped(box.lo[d]) * scale_[d]), grid.nodes[d]).index;
-      const Cell cell = cellOf(float(clamped(box.hi[d]) * scale_[d]), grid.nodes[d]);
+      first[d] = cellOf(float(clamped(box.lo[d]) * terms_->axes[std::size_t(d)].scale), grid.nodes[d]).index;
+      const Cell cell = cellOf(float(clamped(box.hi[d]) * terms_->axes[std::size_t(d)].scale), grid.nodes[d]);
       last[d] = cell.index + cell.step;
     }
     double least = std::numeric_limits<double>::infinity(), greatest = -least;
     for (std::int64_t k = first.z; k <= last.z; ++k)
       for (std::int64_t j = first.y; j <= last.y; ++j)
         for (std::int64_t i = first.x; i <= last.x; ++i) {
-          const double v = grid.values[std::size_t(component)][std::size_t(i + grid.nodes.x * (j + grid.nodes.y * k))];
+          const double v = values(grid, component)[std::size_t(i + grid.nodes.x * (j + grid.nodes.y * k))];
           least = std::min(least, v);
           greatest = std::max(greatest, v);
         }

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "sparsegrid/hbSparseGrid.h"
+
+struct hbCombinationTerms;
 
 /// A sparse grid by the combination technique: full component grids, each interpolated trilinearly, summed with their
 /// coefficients (the `combination` engine). The same function as the hbSparseGrid it is made from, up to rounding.
@@ -10,31 +13,42 @@
 /// Source: the sparse-grid paper, section 3, equation (11), generalised to any downward closed index set. Immutable.
 class hbCombinationSparseGrid final : public hbField {
 public:
-  /// Dehierarchises `grid` into its component grids; O(values in all of them), 4 bytes each.
+  /// Dehierarchises `grid` into its component grids; O(values in all of them), 4 bytes each. Throws hbError where one
+  /// of them has 2^31 values or more.
   explicit hbCombinationSparseGrid(const hbSparseGrid& grid);
 
   struct Grid {
     glm::ivec3 levels{0};
     int coefficient = 0;
     hbSize3 nodes{1};
-    std::vector<std::vector<float>> values; ///< One array a component: nodal values, x fastest.
+    std::int64_t offset = 0; ///< Of its first value in an array over all grids.
+
+    std::int64_t count() const { return nodes.x * nodes.y * nodes.z; }
   };
   const std::vector<Grid>& grids() const { return grids_; }
+  /// The nodal values of one grid, x fastest.
+  std::span<const float> values(const Grid& grid, int component) const {
+    return std::span(values_[std::size_t(component)]).subspan(std::size_t(grid.offset), std::size_t(grid.count()));
+  }
 
   const hbGeometry& geometry() const override { return frame_.geometry; }
-  int components() const override { return int(grids_.front().values.size()); }
+  int components() const override { return int(values_.size()); }
   hbValueMap valueMap() const override { return frame_.valueMap; }
   /// O(component grids) a point; trilinear in 32 bits, summed in 64.
   void values(const hbPoints& points, int component, std::span<float> out) const override;
   void gradients(const hbPoints& points, int component, std::span<float> out,
                  const hbGradients& gradient) const override;
+  /// The same with everything but the nodal values in 64 bits.
+  void values(const hbPoints64& points, int component, std::span<double> out) const;
+  void gradients(const hbPoints64& points, int component, std::span<double> out, const hbGradients64& gradient) const;
+  /// One value, trilinear in 32 bits and summed in 64, without vector instructions.
+  float calcValue32(const glm::vec3& point, int component) const;
   /// Sums each grid's least and greatest value among the cells the box meets, by the sign of its coefficient.
   hbRange range(const hbBox& box, int component) const override;
 
 private:
-  glm::vec3 latticePoint(const hbPoints& points, std::size_t i) const;
-
   hbSparseGrid::Frame frame_;
-  glm::dvec3 scale_{1.0};
   std::vector<Grid> grids_;
+  std::vector<std::vector<float>> values_; ///< One array a component, over all grids.
+  std::shared_ptr<const hbCombinationTerms> terms_;
 };

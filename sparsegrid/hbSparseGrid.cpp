@@ -9,6 +9,7 @@
 
 #include "sparsegrid/hbHierarchise.h"
 #include "sparsegrid/hbNodeSampler.h"
+#include "sparsegrid/kernels/hbDirectKernel.h"
 #include "volume/hbError.h"
 #include "volume/hbParallel.h"
 
@@ -53,6 +54,23 @@ struct Slots {
 };
 Slots slotsOf(int level, bool flat) { return level > 0 ? Slots{level + 1, 1} : Slots{0, flat ? 1 : 2}; }
 
+hbDirectTerms termsOf(const hbIndexSet& set, const glm::dvec3& scale) {
+  hbDirectTerms terms;
+  for (int d = 0; d < 3; ++d) terms.axes[std::size_t(d)] = {set.flat()[d], set.finest()[d], scale[d]};
+  for (const hbSubspace& subspace : set.subspaces()) {
+    if (subspace.count() > std::numeric_limits<std::int32_t>::max())
+      throw hbError(fmt::format("sparse grid: expected fewer than 2^31 nodes a subspace, found {}", subspace.count()));
+    if (subspace.levels.x != 0) continue;
+    const std::size_t first = terms.offsets.size();
+    for (glm::ivec3 l = subspace.levels; set.contains(l); ++l.x) terms.offsets.push_back(set.subspace(l).offset);
+    const Slots ys = slotsOf(subspace.levels.y, set.flat().y), zs = slotsOf(subspace.levels.z, set.flat().z);
+    for (int z = zs.first; z < zs.first + zs.count; ++z)
+      for (int y = ys.first; y < ys.first + ys.count; ++y)
+        terms.rows.push_back({y, z, std::int32_t(subspace.nodes.y), std::int32_t(terms.offsets.size() - first), first});
+  }
+  return terms;
+}
+
 } // namespace
 
 hbSparseGrid::hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vector<std::vector<float>> surpluses)
@@ -67,15 +85,7 @@ hbSparseGrid::hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vecto
       scale_[d] = double(size - 1) / std::exp2(hbNodeSampler::alignedLevel(size));
   }
   if (frame_.mapping == hbLatticeMapping::aligned) hbNodeSampler::checkAligned(frame_.geometry.size, set_);
-  for (const hbSubspace& subspace : set_.subspaces()) {
-    if (subspace.levels.x != 0) continue;
-    const std::size_t first = offsets_.size();
-    for (glm::ivec3 l = subspace.levels; set_.contains(l); ++l.x) offsets_.push_back(set_.subspace(l).offset);
-    const Slots ys = slotsOf(subspace.levels.y, set_.flat().y), zs = slotsOf(subspace.levels.z, set_.flat().z);
-    for (int z = zs.first; z < zs.first + zs.count; ++z)
-      for (int y = ys.first; y < ys.first + ys.count; ++y)
-        rows_.push_back({y, z, std::int32_t(subspace.nodes.y), std::int32_t(offsets_.size() - first), first});
-  }
+  terms_ = std::make_shared<const hbDirectTerms>(termsOf(set_, scale_));
 }
 
 hbSparseGrid hbSparseGrid::interpolate(const hbField& source, const hbIndexSet& set, hbLatticeMapping mapping,
@@ -200,9 +210,9 @@ Real hbSparseGrid::evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hb
                             const float* surpluses) const {
   const int boundary = set_.flat().x ? 1 : 2; // nodes of level 0
   double sum = 0.0;
-  for (const Row& row : rows_) {
-    const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.ny + y.node[row.slotY];
-    const std::int64_t* offsets = offsets_.data() + row.firstOffset;
+  for (const hbDirectTerms::Row& row : terms_->rows) {
+    const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.nodesY + y.node[row.slotY];
+    const std::int64_t* offsets = terms_->offsets.data() + row.firstOffset;
     const float* ends = surpluses + offsets[0] + line * boundary;
     Real inner = x.weight[0] * Real(ends[0]);
     if (boundary == 2) inner += x.weight[1] * Real(ends[1]);
@@ -219,9 +229,9 @@ Real hbSparseGrid::evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hb
   const int boundary = set_.flat().x ? 1 : 2;
   double sum = 0.0;
   glm::dvec3 slopes(0.0);
-  for (const Row& row : rows_) {
-    const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.ny + y.node[row.slotY];
-    const std::int64_t* offsets = offsets_.data() + row.firstOffset;
+  for (const hbDirectTerms::Row& row : terms_->rows) {
+    const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.nodesY + y.node[row.slotY];
+    const std::int64_t* offsets = terms_->offsets.data() + row.firstOffset;
     Real inner(0), innerSlope(0);
     const auto add = [&](int slot, float surplus) {
       inner += x.weight[slot] * Real(surplus);
@@ -240,26 +250,33 @@ Real hbSparseGrid::evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hb
 }
 
 void hbSparseGrid::values(const hbPoints& points, int component, std::span<float> out) const {
-  const float* stored = surpluses(component).data();
-  hbHat<float> x, y, z;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    hats({points.x[i], points.y[i], points.z[i]}, x, y, z);
-    out[i] = evaluate(x, y, z, stored);
-  }
+  hb::evaluateDirect(*terms_, surpluses(component).data(), points, out, nullptr);
 }
 
 void hbSparseGrid::gradients(const hbPoints& points, int component, std::span<float> out,
                              const hbGradients& gradient) const {
-  const float* stored = surpluses(component).data();
+  hb::evaluateDirect(*terms_, surpluses(component).data(), points, out, &gradient);
+}
+
+void hbSparseGrid::values(const hbPoints64& points, int component, std::span<double> out) const {
+  hb::evaluateDirect(*terms_, surpluses(component).data(), points, out, nullptr);
+}
+
+void hbSparseGrid::gradients(const hbPoints64& points, int component, std::span<double> out,
+                             const hbGradients64& gradient) const {
+  hb::evaluateDirect(*terms_, surpluses(component).data(), points, out, &gradient);
+}
+
+float hbSparseGrid::calcValue32(const glm::vec3& point, int component) const {
   hbHat<float> x, y, z;
-  glm::vec3 slopes;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    hats({points.x[i], points.y[i], points.z[i]}, x, y, z);
-    out[i] = evaluate(x, y, z, stored, slopes);
-    gradient.dx[i] = slopes.x;
-    gradient.dy[i] = slopes.y;
-    gradient.dz[i] = slopes.z;
-  }
+  hats(point, x, y, z);
+  return evaluate(x, y, z, surpluses(component).data());
+}
+
+float hbSparseGrid::calcValue32(const glm::vec3& point, int component, glm::vec3& gradient) const {
+  hbHat<float> x, y, z;
+  hats(point, x, y, z);
+  return evaluate(x, y, z, surpluses(component).data(), gradient);
 }
 
 double hbSparseGrid::calcValue(const glm::dvec3& point, int component) const {
@@ -292,13 +309,13 @@ void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> y
 
   const auto contract = [&](const hbHat<double>& y, const hbHat<double>& z) {
     for (auto& row : rows) std::fill(row.begin(), row.end(), 0.0);
-    for (const Row& row : rows_) {
+    for (const hbDirectTerms::Row& row : terms_->rows) {
       const double weight = y.weight[row.slotY] * z.weight[row.slotZ];
       if (weight == 0.0) continue;
-      const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.ny + y.node[row.slotY];
+      const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.nodesY + y.node[row.slotY];
       for (int l = 0; l < row.levels; ++l) {
         std::vector<double>& to = rows[std::size_t(l)];
-        const float* from = stored + offsets_[row.firstOffset + std::size_t(l)] + line * std::int64_t(to.size());
+        const float* from = stored + terms_->offsets[row.firstOffset + std::size_t(l)] + line * std::int64_t(to.size());
         for (std::size_t i = 0; i < to.size(); ++i) to[i] += weight * double(from[i]);
       }
     }

@@ -10,6 +10,8 @@
 #include "volume/hbLatticeMapping.h"
 #include "volume/hbProgress.h"
 
+struct hbDirectTerms;
+
 /// A sparse grid with boundary: a function stored as hierarchical surpluses over an index set, evaluated directly (the
 /// `direct` engine: every subspace adds the one basis function that is not zero at the point).
 ///
@@ -69,10 +71,13 @@ public:
   int components() const override { return int(surpluses_.size()); }
   hbValueMap valueMap() const override { return frame_.valueMap; }
 
-  /// O(subspaces) a point.
+  /// O(subspaces) a point; weights in 32 bits, sums over the rows along x in 64. hbSemiNodalGrid is the faster way.
   void values(const hbPoints& points, int component, std::span<float> out) const override;
   void gradients(const hbPoints& points, int component, std::span<float> out,
                  const hbGradients& gradient) const override;
+  /// The same with everything but the surpluses in 64 bits.
+  void values(const hbPoints64& points, int component, std::span<double> out) const;
+  void gradients(const hbPoints64& points, int component, std::span<double> out, const hbGradients64& gradient) const;
 
   /// Contracts each (y,z) row's subspaces into one array a level of x first, so a row costs its surpluses once, not
   /// once a sample. 64-bit sums, rounded once.
@@ -86,18 +91,13 @@ public:
   double calcValue(const glm::dvec3& point, int component) const;
   /// The same with the gradient (in cube units).
   double calcValue(const glm::dvec3& point, int component, glm::dvec3& gradient) const;
+  /// One value as values() gives it, without vector instructions.
+  float calcValue32(const glm::vec3& point, int component) const;
+  float calcValue32(const glm::vec3& point, int component, glm::vec3& gradient) const;
 
 private:
   hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vector<std::vector<float>> surpluses);
 
-  /// One y and one z slot (see hbHat) and the arrays of lx = 0, 1, ... that belong to their levels: at a point, each
-  /// row contributes the sum over lx of one value an array, weighted by the hats of y and z.
-  struct Row {
-    std::int32_t slotY = 0, slotZ = 0;
-    std::int32_t ny = 1;         ///< Nodes along y of its subspaces.
-    std::int32_t levels = 0;     ///< Of x, level 0 included.
-    std::size_t firstOffset = 0; ///< Into offsets_: where the array of lx = 0 begins; then lx = 1 and so on.
-  };
   template <class Real>
   Real evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hbHat<Real>& z, const float* surpluses) const;
   template <class Real>
@@ -111,6 +111,5 @@ private:
   hbIndexSet set_;
   std::vector<std::vector<float>> surpluses_; ///< One array a component.
   glm::dvec3 scale_{1.0};
-  std::vector<Row> rows_;
-  std::vector<std::int64_t> offsets_;
+  std::shared_ptr<const hbDirectTerms> terms_;
 };

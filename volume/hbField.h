@@ -10,19 +10,25 @@
 #include "volume/hbValueMap.h"
 
 /// Points of the unit cube as three arrays of one length.
-struct hbPoints {
-  std::span<const float> x, y, z;
+template <class Real>
+struct hbPointsOf {
+  std::span<const Real> x, y, z;
 
   std::size_t size() const { return x.size(); }
-  hbPoints subspan(std::size_t first, std::size_t count) const {
+  hbPointsOf subspan(std::size_t first, std::size_t count) const {
     return {x.subspan(first, count), y.subspan(first, count), z.subspan(first, count)};
   }
 };
+using hbPoints = hbPointsOf<float>;
+using hbPoints64 = hbPointsOf<double>;
 
 /// Gradients as three arrays of one length, in field values per unit of the cube's edge.
-struct hbGradients {
-  std::span<float> dx, dy, dz;
+template <class Real>
+struct hbGradientsOf {
+  std::span<Real> dx, dy, dz;
 };
+using hbGradients = hbGradientsOf<float>;
+using hbGradients64 = hbGradientsOf<double>;
 
 /// An axis-aligned box inside the unit cube, lo <= hi, closed.
 struct hbBox {

@@ -208,14 +208,14 @@ TEST_F(program, FilesAndPicturesDoNotDependOnThreads) {
     const std::string t(threads);
     EXPECT_RUNS(run({"compress", "field:marschner-lobb", "v" + t + ".hbv", "--level", "5", "--threads", t}));
     EXPECT_RUNS(run({"extract", "v1.hbv", "e" + t + ".nrrd", "--size", "13x17x11", "--threads", t}));
-    for (const char* engine : {"direct", "combination"})
+    for (const char* engine : {"direct", "seminodal", "combination"})
       for (const char* mode : {"xray", "iso"})
         EXPECT_RUNS(run({"render", "v1.hbv", fmt::format("{}-{}-{}.exr", engine, mode, t), "--engine", engine, "--mode",
                          mode, "--size", "37x23", "--samples", "21", "--threads", t}));
     if (t == "1") continue;
     EXPECT_EQ(bytes("v1.hbv"), bytes("v" + t + ".hbv"));
     EXPECT_EQ(bytes("e1.nrrd"), bytes("e" + t + ".nrrd"));
-    for (const char* engine : {"direct", "combination"})
+    for (const char* engine : {"direct", "seminodal", "combination"})
       for (const char* mode : {"xray", "iso"})
         EXPECT_EQ(bytes(fmt::format("{}-{}-1.exr", engine, mode)), bytes(fmt::format("{}-{}-{}.exr", engine, mode, t)));
   }

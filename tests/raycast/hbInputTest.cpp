@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "sparsegrid/hbCombinationSparseGrid.h"
+#include "sparsegrid/hbSemiNodalGrid.h"
 #include "tests/volume/hbTestFiles.h"
 #include "volume/hbContainerWriter.h"
 #include "volume/hbVolumeField.h"
@@ -97,13 +98,15 @@ TEST(hbInput, OpensSparseGridsWhateverTheirName) {
     EXPECT_EQ(input.geometry(), smallVolume().geometry());
     EXPECT_EQ(input.components(), 2);
     EXPECT_EQ(input.fileBytes, std::filesystem::file_size(folder / name));
-    EXPECT_EQ(input.engine(hbEngine::automatic), hbEngine::direct);
+    EXPECT_EQ(input.engine(hbEngine::automatic), hbEngine::seminodal);
+    EXPECT_NE(dynamic_cast<const hbSemiNodalGrid*>(input.field(hbEngine::automatic).get()), nullptr);
+    EXPECT_NE(dynamic_cast<const hbSparseGrid*>(input.field(hbEngine::direct).get()), nullptr);
     EXPECT_EQ(input.engine(hbEngine::combination), hbEngine::combination);
     // Values below 2048 of a linear function: a few roundings.
     EXPECT_NEAR(valueAt(*input.field(hbEngine::automatic), 0.5F, 0.5F, 1.0F, 1), 1112.0F, 8 * 2048 * 0x1p-24);
     EXPECT_NE(dynamic_cast<const hbCombinationSparseGrid*>(input.field(hbEngine::combination).get()), nullptr);
     EXPECT_NEAR(valueAt(*input.field(hbEngine::combination), 0.5F, 0.5F, 1.0F, 0), 112.0F, 8 * 2048 * 0x1p-24);
-    EXPECT_HB_ERROR(input.field(hbEngine::full), "expected direct or combination");
+    EXPECT_HB_ERROR(input.field(hbEngine::full), "expected seminodal, direct or combination");
   }
 }
 

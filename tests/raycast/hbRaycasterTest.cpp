@@ -12,6 +12,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "sparsegrid/hbCombinationSparseGrid.h"
+#include "sparsegrid/hbSemiNodalGrid.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 #include "volume/hbError.h"
@@ -327,21 +328,26 @@ TEST(hbRaycaster, PlanewiseIsoInterpolatesBetweenThePlanes) {
       8.0 * 0x1p-23); // the field rises by 1 a unit here: a few roundings of values below 1, one of a depth below 4
 }
 
-TEST(hbRaycaster, DirectAndCombinationGiveTheSamePictures) {
+TEST(hbRaycaster, EveryEngineGivesTheSamePictures) {
   const hbIndexSet set = hbIndexSet::regular(5, {});
   const hbSparseGrid grid =
       hbSparseGrid::interpolate(*hbAnalyticField::create("vortex,size=33"), set, hbLatticeMapping::fitted);
   const hbCombinationSparseGrid combination(grid);
   double largest = 0.0;
   for (const double v : grid.nodalValues(0)) largest = std::max(largest, std::abs(v));
-  const double bound = hbTestSets::combinationBound(set, largest) + hbTestSets::directBound(grid);
-  for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
-    const hbScene scene = sceneOf(mode, 32);
-    const hbPicture a = hbRaycaster(grid, scene).render(), b = hbRaycaster(combination, scene).render();
-    const double longest = mode == hbMode::xray ? std::sqrt(3.0) : 1.0;
-    for (std::size_t i = 0; i < channel(a, "Y").size(); ++i)
-      ASSERT_NEAR(channel(a, "Y")[i], channel(b, "Y")[i], bound * longest);
-  }
+  const hbSemiNodalGrid semiNodal(grid);
+  const double direct = hbTestSets::directBound(grid);
+  const std::array<std::pair<const hbField*, double>, 2> others{
+      {{&combination, direct + hbTestSets::combinationBound(set, largest)},
+       {&semiNodal, direct + hbTestSets::semiNodalBound(grid)}}};
+  for (const auto& [other, bound] : others)
+    for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
+      const hbScene scene = sceneOf(mode, 32);
+      const hbPicture a = hbRaycaster(grid, scene).render(), b = hbRaycaster(*other, scene).render();
+      const double longest = mode == hbMode::xray ? std::sqrt(3.0) : 1.0;
+      for (std::size_t i = 0; i < channel(a, "Y").size(); ++i)
+        ASSERT_NEAR(channel(a, "Y")[i], channel(b, "Y")[i], bound * longest);
+    }
 }
 
 TEST(hbRaycaster, ThePictureDoesNotDependOnTheNumberOfThreads) {

@@ -213,9 +213,9 @@ TEST(hbSparseCompression, LargeVolumesAreNotScanned) {
 TEST(hbSparseCompression, ChecksMemoryAndInput) {
   hbSparseCompression how;
   how.level = 8;
-  how.memoryLimit = 21249 * 19;
+  how.memoryLimit = 21249 * 23;
   EXPECT_HB_ERROR(how.compress(fieldInput("smooth")), "memory limit");
-  how.memoryLimit = 21249 * 20;
+  how.memoryLimit = 21249 * 24;
   how.measure = hbSparseCompression::Measure::none;
   EXPECT_NO_THROW(how.compress(fieldInput("smooth")));
 

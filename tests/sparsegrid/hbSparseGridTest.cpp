@@ -8,6 +8,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <rapidcheck/gtest.h>
 
+#include "tests/sparsegrid/hbTestPoints.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 #include "volume/hbError.h"
@@ -26,21 +27,6 @@ hbGeometry cubeOf(const hbSize3& size) {
 hbSparseGrid gridOf(const std::string& name, const hbIndexSet& set) {
   return hbSparseGrid::interpolate(*hbAnalyticField::create(name)->withSize(hbTestSets::sizeOf(set)), set,
                                    hbLatticeMapping::fitted);
-}
-
-struct Points {
-  std::vector<float> x, y, z;
-  hbPoints view() const { return {x, y, z}; }
-  glm::dvec3 at(std::size_t i) const { return {x[i], y[i], z[i]}; }
-};
-
-Points randomPoints(std::size_t count) {
-  std::mt19937 random(12345);
-  std::uniform_real_distribution<float> unit(0.0F, 1.0F);
-  Points p;
-  for (auto* axis : {&p.x, &p.y, &p.z})
-    for (std::size_t i = 0; i < count; ++i) axis->push_back(std::min(unit(random), 1.0F));
-  return p;
 }
 
 /// The definition, written again without any of the library's evaluation: sum over all subspaces and all their nodes of
@@ -69,7 +55,7 @@ double naive(const hbSparseGrid& grid, const glm::dvec3& p, int component = 0) {
 RC_GTEST_PROP(hbSparseGrid, TheReferenceIsTheDefinition, ()) {
   const hbIndexSet set = *hbTestSets::any();
   const hbSparseGrid grid = gridOf("vortex", set);
-  const Points points = randomPoints(4);
+  const hbTestPoints points = hbTestPoints::random(4);
   for (std::size_t i = 0; i < 4; ++i) {
     // 64 bits throughout; a sum of at most 2000 terms below the amplitude.
     RC_ASSERT(std::abs(grid.calcValue(points.at(i), 0) - naive(grid, points.at(i))) <=
@@ -79,7 +65,7 @@ RC_GTEST_PROP(hbSparseGrid, TheReferenceIsTheDefinition, ()) {
 
 // Regular sets of every level, at the same float coordinates.
 TEST(hbSparseGrid, DirectAgreesWithTheReference) {
-  const Points points = randomPoints(500);
+  const hbTestPoints points = hbTestPoints::random(500);
   std::vector<float> values(500);
   for (int n = 1; n <= 11; ++n) {
     const hbSparseGrid grid = gridOf("smooth", hbIndexSet::regular(n, {}));
@@ -113,7 +99,7 @@ RC_GTEST_PROP(hbSparseGrid, ReproducesMultilinearFunctions, ()) {
   const hbIndexSet set = *hbTestSets::any();
   const auto field = hbAnalyticField::create("multilinear")->withSize(hbTestSets::sizeOf(set));
   const hbSparseGrid grid = hbSparseGrid::interpolate(*field, set, hbLatticeMapping::fitted);
-  const Points points = randomPoints(20);
+  const hbTestPoints points = hbTestPoints::random(20);
   std::vector<float> values(20), truth(20);
   grid.values(points.view(), 0, values);
   field->values(points.view(), 0, truth);
@@ -128,7 +114,7 @@ RC_GTEST_PROP(hbSparseGrid, ReproducesMultilinearFunctions, ()) {
 // the log is really there.
 TEST(hbSparseGrid, TheErrorOfASmoothFunctionFallsAsPublished) {
   const auto field = hbAnalyticField::create("smooth");
-  const Points points = randomPoints(20000);
+  const hbTestPoints points = hbTestPoints::random(20000);
   std::vector<double> scaled;
   for (int n = 3; n <= 9; ++n) {
     const hbSparseGrid grid = gridOf("smooth", hbIndexSet::regular(n, {}));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <vector>
 
 #include <glm/vector_relational.hpp>
@@ -57,6 +58,24 @@ inline double amplitude(const hbSparseGrid& grid, int component = 0) {
 /// surplus itself, and the additions over lx; the rest is in 64 bits; once more at the end.
 inline double directBound(const hbSparseGrid& grid, int component = 0) {
   return (9.0 + grid.indexSet().finest().x) * 0x1p-24 * amplitude(grid, component);
+}
+
+/// Rounding of the semi-nodal engine in 32 bits: the stored value; the weights of y and z, their product and that with
+/// the value; the additions of the lines of one length; the weight of x and its product; the additions over the
+/// lengths; the sum of the two nodes along x. No partial sum exceeds the amplitude: a line's values are sums of
+/// surpluses, each at most its subspace's largest.
+inline double semiNodalBound(const hbSparseGrid& grid, int component = 0) {
+  const hbIndexSet& set = grid.indexSet();
+  std::map<int, int> terms; // of each length: one for each pair of levels, four at most for the base grids'
+  for (const hbSubspace& subspace : set.subspaces()) {
+    if (subspace.levels.x != 0) continue;
+    int finest = 0;
+    while (set.contains(subspace.levels + glm::ivec3(finest + 1, 0, 0))) ++finest;
+    ++terms[finest];
+  }
+  int most = 0;
+  for (const auto& [length, count] : terms) most = std::max(most, count);
+  return (8.0 + most + double(terms.size())) * 0x1p-24 * amplitude(grid, component);
 }
 
 /// Rounding of the combination in 32 bits: the nodal value, and three operations for each of three lerps, for each
