@@ -1,79 +1,69 @@
 #include "sparsegrid/hbHierarchise.h"
 
+#include <algorithm>
 #include <cassert>
 #include <vector>
 
-#include "volume/hbParallel.h"
-
+#include "sparsegrid/kernels/hbHierarchiseKernel.h"
 #include "volume/hbError.h"
+#include "volume/hbParallel.h"
 
 namespace {
 
-/// All subspaces that differ in the level of one axis only: the lines along that axis through a grid. Seen as arrays,
-/// each is [outer][nodes along the axis][inner] with the same outer and inner for every level.
-struct LineGroup {
-  std::vector<const hbSubspace*> byLevel;
-  std::int64_t inner = 1, outer = 1;
-};
-
-std::vector<LineGroup> lineGroups(const hbIndexSet& set, int axis) {
-  std::vector<LineGroup> groups;
+std::vector<hbLineGroup> lineGroups(const hbIndexSet& set, int axis) {
+  std::vector<hbLineGroup> groups;
   for (const hbSubspace& first : set.subspaces()) {
     if (first.levels[axis] != 0) continue;
-    LineGroup group;
-    for (glm::ivec3 l = first.levels; set.contains(l); ++l[axis]) group.byLevel.push_back(&set.subspace(l));
+    hbLineGroup group;
+    group.finest = -1;
+    for (glm::ivec3 l = first.levels; set.contains(l); ++l[axis])
+      group.offset[std::size_t(++group.finest)] = set.subspace(l).offset;
     for (int d = 0; d < axis; ++d) group.inner *= first.nodes[d];
     for (int d = axis + 1; d < 3; ++d) group.outer *= first.nodes[d];
-    groups.push_back(std::move(group));
+    if (group.finest > 0) groups.push_back(group);
   }
   return groups;
 }
 
-/// values(level) += sign * the mean of the two hierarchical neighbours, for all nodes of one level of a group.
-/// The nodes (2k+1) 2^-l of level l lie between k 2^-(l-1) and (k+1) 2^-(l-1).
-void addNeighbours(const LineGroup& group, int axis, int level, double sign, double* values,
-                   const hbProgress& progress) {
-  const std::int64_t inner = group.inner;
-  const hbSubspace& target = *group.byLevel[std::size_t(level)];
-  const std::int64_t nodes = target.nodes[axis];
-  const auto row = [&](const hbIndexSet::AxisNode& node, std::int64_t outer) {
-    const hbSubspace& subspace = *group.byLevel[std::size_t(node.level)];
-    return values + subspace.offset + (outer * subspace.nodes[axis] + node.index) * inner;
-  };
-  for (std::int64_t outer = 0; outer < group.outer; ++outer) {
-    if (progress.cancelled()) throw hbCancelled();
-    for (std::int64_t k = 0; k < nodes; ++k) {
-      const double* left = row(hbIndexSet::axisNode(false, level - 1, k), outer);
-      const double* right = row(hbIndexSet::axisNode(false, level - 1, k + 1), outer);
-      double* own = values + target.offset + (outer * nodes + k) * inner;
-      for (std::int64_t i = 0; i < inner; ++i) own[i] += sign * (0.5 * (left[i] + right[i]));
-    }
+/// Some lines of a group, few enough to be a small part of the work.
+struct Task {
+  const hbLineGroup* group;
+  std::int64_t first, last;
+};
+
+std::vector<Task> tasksOf(const std::vector<hbLineGroup>& groups) {
+  constexpr std::int64_t kNodes = 8192;
+  std::vector<Task> tasks;
+  for (const hbLineGroup& group : groups) {
+    const std::int64_t nodes = ((std::int64_t{1} << group.finest) + 1) * group.inner;
+    const std::int64_t lines = std::max<std::int64_t>(1, kNodes / nodes);
+    for (std::int64_t first = 0; first < group.outer; first += lines)
+      tasks.push_back({&group, first, std::min(first + lines, group.outer)});
   }
+  return tasks;
 }
 
-template <class Sweep>
-void forEachGroup(const hbIndexSet& set, int axis, Sweep sweep) {
-  if (set.flat()[axis]) return;
-  const std::vector<LineGroup> groups = lineGroups(set, axis);
-  hb::parallelFor(std::int64_t(groups.size()), [&](std::int64_t g) { sweep(groups[std::size_t(g)]); });
+void transform(const hbIndexSet& set, hb::LineTransform transform, double* values, const hbProgress& progress) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (set.flat()[axis]) continue;
+    const std::vector<hbLineGroup> groups = lineGroups(set, axis);
+    const std::vector<Task> tasks = tasksOf(groups);
+    hb::parallelFor(std::int64_t(tasks.size()), [&](std::int64_t t) {
+      if (progress.cancelled()) throw hbCancelled();
+      const auto& [group, first, last] = tasks[std::size_t(t)];
+      hb::transformLines(*group, first, last, transform, values);
+    });
+  }
 }
 
 } // namespace
 
 void hb::hierarchise(const hbIndexSet& set, std::span<double> values, const hbProgress& progress) {
   assert(std::int64_t(values.size()) == set.storedValues());
-  for (int axis = 0; axis < 3; ++axis)
-    forEachGroup(set, axis, [&](const LineGroup& group) {
-      for (int level = int(group.byLevel.size()) - 1; level >= 1; --level)
-        addNeighbours(group, axis, level, -1.0, values.data(), progress);
-    });
+  transform(set, LineTransform::hierarchise, values.data(), progress);
 }
 
 void hb::dehierarchise(const hbIndexSet& set, std::span<double> values, const hbProgress& progress) {
   assert(std::int64_t(values.size()) == set.storedValues());
-  for (int axis = 0; axis < 3; ++axis)
-    forEachGroup(set, axis, [&](const LineGroup& group) {
-      for (int level = 1; level < int(group.byLevel.size()); ++level)
-        addNeighbours(group, axis, level, 1.0, values.data(), progress);
-    });
+  transform(set, LineTransform::dehierarchise, values.data(), progress);
 }

@@ -1,10 +1,13 @@
 // Every kernel with every instruction set that this machine has: the same values to the last bit, and those of the
 // evaluation without vector instructions where there is one.
 
+#include <random>
+
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "sparsegrid/hbCombinationSparseGrid.h"
+#include "sparsegrid/hbHierarchise.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
 #include "tests/sparsegrid/hbTestPoints.h"
 #include "tests/sparsegrid/hbTestSets.h"
@@ -78,4 +81,26 @@ RC_GTEST_PROP(instructionSets, GiveTheSameValuesForAnyIndexSet, ()) {
       gridOf(*hbTestSets::any(), *rc::gen::element(hbLatticeMapping::fitted, hbLatticeMapping::aligned));
   expectTheSame(grid, hbTestPoints::awkward());
   RC_ASSERT(!testing::Test::HasFailure());
+}
+
+RC_GTEST_PROP(instructionSets, HierarchiseToTheSameSurpluses, ()) {
+  const Sets sets;
+  // Full sets up to level 7: lines long enough for every path, and any other one.
+  const hbIndexSet set = *rc::gen::oneOf(hbTestSets::any(), rc::gen::map(rc::gen::inRange(4, 8), [](int finest) {
+                                           return hbIndexSet::full({{finest, 3, finest - 3}, {false, false, false}});
+                                         }));
+  std::vector<double> nodal;
+  std::mt19937 random(7);
+  for (std::int64_t i = 0; i < set.storedValues(); ++i) nodal.push_back(double(random()) / 1000.0);
+  std::vector<double> surpluses, back;
+  for (const std::string& name : sets.names) {
+    hb::useInstructionSet(name);
+    std::vector<double> values = nodal;
+    hb::hierarchise(set, values);
+    if (surpluses.empty()) surpluses = values;
+    RC_ASSERT(values == surpluses);
+    hb::dehierarchise(set, values);
+    if (back.empty()) back = values;
+    RC_ASSERT(values == back);
+  }
 }
