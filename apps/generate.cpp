@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/CavityRun.h"
 #include "apps/FieldWriter.h"
 #include "apps/Program.h"
 #include "volume/hbError.h"
@@ -14,7 +15,8 @@
 namespace {
 
 struct Options {
-  std::string name, out, size = "129";
+  std::string name, out, size;
+  std::int64_t steps = 0;
 };
 
 std::string knownFields() {
@@ -24,12 +26,26 @@ std::string knownFields() {
     for (const auto& [key, value] : field.parameters) text += fmt::format("; {}={}", key, value);
     text += "\n";
   }
-  return text;
+  text += fmt::format("Simulated, for generate only (--size: odd, {} to {}):\n  {:<16}a heated cube under a moving lid",
+                      hbCavityFlow::kFewest, hbCavityFlow::kMost, hbCavitySpecification::kName);
+  for (const auto& [key, value] : hbCavitySpecification::defaults()) text += fmt::format("; {}={}", key, value);
+  return text + "\n";
 }
 
-void run(const Options& options, const app::CommonOptions& common) {
+void generateCavity(const Options& options, const app::CommonOptions& common) {
+  const auto specification = hbCavitySpecification::parse(options.name);
+  const auto sizes = app::parseSizes(options.size.empty() ? "65" : options.size, 3, "--size");
+  if (sizes[0] != sizes[1] || sizes[0] != sizes[2])
+    throw hbError(fmt::format("--size: expected one number of nodes for the cavity's cube, found '{}'", options.size));
+  app::runCavity(specification, sizes[0], options.steps, options.out, common);
+}
+
+void generateAnalytic(const Options& options, const app::CommonOptions& common) {
+  if (options.steps > 0)
+    throw hbError(fmt::format("--steps: expected a field that changes with time ({}), found '{}'",
+                              hbCavitySpecification::kName, options.name));
   common.checkOutputs({options.out});
-  const auto sizes = app::parseSizes(options.size, 3, "--size");
+  const auto sizes = app::parseSizes(options.size.empty() ? "129" : options.size, 3, "--size");
   const auto field = hbAnalyticField::create(options.name)->withSize({sizes[0], sizes[1], sizes[2]});
   const auto start = std::chrono::steady_clock::now();
   app::writeField(*field, field->geometry(), options.out, common);
@@ -44,14 +60,24 @@ void run(const Options& options, const app::CommonOptions& common) {
 
 void addGenerate(CLI::App& program, app::CommonOptions& common) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("generate", "Writes an analytic field as a volume of float32 samples");
+  CLI::App* command =
+      program.add_subcommand("generate", "Writes an analytic or simulated field as a volume of float32 samples");
   command->add_option("NAME", options->name, "The field, with parameters if wanted: hydrogen,state=2p")
       ->required()
       ->type_name("");
   command->add_option("OUT", options->out, "The volume to write: .nrrd, .vti, or .raw named as stem_XxYxZ_float32.raw")
       ->required()
       ->type_name("");
-  command->add_option("--size", options->size, "Samples an axis: N, or XxYxZ")->capture_default_str();
+  command->add_option("--size", options->size, "Samples an axis: N, or XxYxZ (default: 129; 65 for the cavity)");
+  command
+      ->add_option("--steps", options->steps,
+                   "Write that many volumes of a simulation, at equal times up to its end-time (default then: 20), as "
+                   "stem_0000.ext and so on")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("T");
   command->footer(knownFields());
-  command->callback([options, &common] { run(*options, common); });
+  command->callback([options, &common] {
+    const bool simulated = hb::fieldName(options->name) == hbCavitySpecification::kName;
+    (simulated ? generateCavity : generateAnalytic)(*options, common);
+  });
 }

@@ -8,23 +8,16 @@
 
 #include <fmt/format.h>
 
+#include "volume/fields/hbCavitySpecification.h"
 #include "volume/hbError.h"
 
 namespace {
 
 using namespace hb::formula;
-using Parameters = std::map<std::string, std::string>;
+using hb::fieldNumber;
+using Parameters = hbFieldParameters;
 constexpr double kPi = std::numbers::pi;
 constexpr std::string_view kSize = "size";
-
-double number(const Parameters& parameters, const std::string& key, double lo, double hi) {
-  const std::string& text = parameters.at(key);
-  double result = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result);
-  if (error != std::errc() || end != text.data() + text.size() || !(lo <= result && result <= hi))
-    throw hbError(fmt::format("field parameter {}: expected a number from {} to {}, found '{}'", key, lo, hi, text));
-  return result;
-}
 
 /// The three arithmetics of a formula written as a generic function of x, y, z.
 template <class F>
@@ -41,7 +34,7 @@ hbAnalyticField::Formula hydrogen(const Parameters& parameters) {
   const std::string& state = parameters.at("state");
   const bool automatic = parameters.at("half-width") == "auto";
   // The half-widths hold nearly all of each state's charge; 24 for 3d is also what published comparisons use.
-  const double halfWidth = !automatic      ? number(parameters, "half-width", 1e-3, 1e6)
+  const double halfWidth = !automatic      ? fieldNumber(parameters, "half-width", 1e-3, 1e6)
                            : state == "2p" ? 14.0
                            : state == "4f" ? 40.0
                                            : 24.0;
@@ -69,7 +62,7 @@ hbAnalyticField::Formula hydrogen(const Parameters& parameters) {
 
 // Marschner and Lobb, An Evaluation of Reconstruction Filters for Volume Rendering, 1994.
 hbAnalyticField::Formula marschnerLobb(const Parameters& parameters) {
-  const double f = number(parameters, "frequency", 0.0, 1e4), a = number(parameters, "alpha", 0.0, 1e4);
+  const double f = fieldNumber(parameters, "frequency", 0.0, 1e4), a = fieldNumber(parameters, "alpha", 0.0, 1e4);
   return formula([=](const auto& x, const auto& y, const auto& z) {
     const auto r = sqrt(square(2.0 * x - 1.0) + square(2.0 * y - 1.0));
     return (1.0 / (2.0 * (1.0 + a))) *
@@ -88,7 +81,7 @@ hbAnalyticField::Formula vortex(const Parameters&) {
 }
 
 hbAnalyticField::Formula ball(const Parameters& parameters) {
-  const double radius = number(parameters, "radius", 0.0, 10.0);
+  const double radius = fieldNumber(parameters, "radius", 0.0, 10.0);
   return formula([=](const auto& x, const auto& y, const auto& z) {
     return step(radius * radius - (square(x - 0.503) + square(y - 0.497) + square(z - 0.5)));
   });
@@ -132,6 +125,9 @@ const std::vector<Known>& knownFields() {
 }
 
 const Known& knownField(std::string_view name) {
+  if (name == hbCavitySpecification::kName)
+    throw hbError(
+        fmt::format("field: {0} is a simulation, no formula; make a volume first: hbvol generate {0} OUT.nrrd", name));
   std::string names;
   for (const Known& known : knownFields()) {
     if (known.name == name) return known;
@@ -158,30 +154,13 @@ hbSize3 parseSize(std::string_view text) {
       fmt::format("field parameter size: expected N or NxNxN with 1 to {} nodes, found '{}'", kLargest, text));
 }
 
-Parameters parseParameters(const Known& known, std::string_view text) {
-  Parameters parameters = known.parameters;
-  parameters.emplace(kSize, "129");
-  while (!text.empty()) {
-    const std::string_view item = text.substr(0, text.find(','));
-    text.remove_prefix(std::min(text.size(), item.size() + 1));
-    const std::string_view key = item.substr(0, item.find('='));
-    const auto found = parameters.find(std::string(key));
-    if (found == parameters.end() || key.size() == item.size()) {
-      std::string names;
-      for (const auto& [name, value] : parameters) names += fmt::format("{}{}=", names.empty() ? "" : ", ", name);
-      throw hbError(fmt::format("field {}: expected parameters among {}, found '{}'", known.name, names, item));
-    }
-    found->second = item.substr(key.size() + 1);
-  }
-  return parameters;
-}
-
 } // namespace
 
 std::shared_ptr<const hbAnalyticField> hbAnalyticField::create(std::string_view specification) {
-  const std::string_view name = specification.substr(0, specification.find(','));
-  Parameters parameters =
-      parseParameters(knownField(name), specification.substr(std::min(specification.size(), name.size() + 1)));
+  const std::string_view name = hb::fieldName(specification);
+  Parameters defaults = knownField(name).parameters;
+  defaults.emplace(kSize, "129");
+  Parameters parameters = hb::parseFieldParameters(specification, defaults);
   return std::shared_ptr<const hbAnalyticField>(new hbAnalyticField(std::string(name), std::move(parameters)));
 }
 
@@ -194,8 +173,7 @@ std::vector<hbAnalyticField::Description> hbAnalyticField::all() {
 
 hbAnalyticField::hbAnalyticField(std::string name, Parameters parameters)
     : name_(std::move(name)), parameters_(std::move(parameters)), formula_(knownField(name_).make(parameters_)) {
-  specification_ = name_;
-  for (const auto& [key, value] : parameters_) specification_ += fmt::format(",{}={}", key, value);
+  specification_ = hb::fieldSpecification(name_, parameters_);
   geometry_.size = parseSize(parameters_.at(std::string(kSize)));
   for (int d = 0; d < 3; ++d) {
     geometry_.spacing[d] = geometry_.cubeSpacing()[d];

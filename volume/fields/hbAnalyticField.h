@@ -1,13 +1,13 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "volume/fields/hbDual.h"
+#include "volume/fields/hbFieldParameters.h"
 #include "volume/fields/hbInterval.h"
 #include "volume/hbField.h"
 
@@ -25,7 +25,7 @@ public:
   struct Description {
     std::string name;
     std::string formula;
-    std::map<std::string, std::string> parameters; ///< With their defaults.
+    hbFieldParameters parameters; ///< With their defaults.
   };
   static std::vector<Description> all();
 
@@ -57,7 +57,7 @@ public:
   };
 
 private:
-  using Parameters = std::map<std::string, std::string>;
+  using Parameters = hbFieldParameters;
   hbAnalyticField(std::string name, Parameters parameters);
 
   double coordinate(int axis, double x) const; ///< Clamped (NaN to 0); the middle of a flat axis.
