@@ -1,7 +1,9 @@
 #include "apps/CavityRun.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -142,7 +142,7 @@ hbBoxPoisson::hbBoxPoisson(const hbSize3& cells, double width)
     : cells_(cells), axes_{Axis(cells.x, width), Axis(cells.y, width), Axis(cells.z, width)} {}
 
 void hbBoxPoisson::solve(std::vector<double>& values) const {
-  const auto& [ax, ay, az] = axes_;
+  const Axis &ax = axes_[0], &ay = axes_[1], &az = axes_[2];
   const std::int64_t slab = ax.n * ay.n;
   hb::parallelFor(az.n, [&](std::int64_t z) {
     std::vector<double> work(static_cast<std::size_t>(slab));

@@ -11,9 +11,9 @@ namespace {
 /// The distances from a value to its neighbours along x, y, z.
 using Strides = std::array<std::int64_t, 3>;
 
-/// out = base + scale (-div(u q) + diffusivity lap q) for `count` values q along x; `base` null stands for 0. `carrier`
-/// are the velocities at the upper faces of q's cells along x, y, z: [a][i] + [a][i + shift] is twice their value
-/// (shift 0 where they lie there), that of the lower faces the same one stride before.
+/// out = base + scale (-div(u q) + diffusivity lap q) for `count` values q along x. `carrier`: the velocities along x,
+/// y, z at the upper faces of q's own cells are [i] + [i + shift], halved (shift 0 where one lies there), and those at
+/// the lower faces the same one stride before.
 void convectAndDiffuse(const double* base, double scale, const double* q, const std::array<const double*, 3>& carrier,
                        std::int64_t shift, const Strides& stride, double inverseWidth, double diffusivity,
                        std::int64_t count, double* __restrict out) {
@@ -120,7 +120,7 @@ void hbStaggeredFlow::divergence(const std::vector<double>& state, std::vector<d
   });
 }
 
-void hbStaggeredFlow::project(std::vector<double>& state) const {
+void hbStaggeredFlow::project(std::vector<double>& state) {
   divergence(state, work_);
   poisson_.solve(work_);
   const std::int64_t sy = strideY(), sz = strideZ(), size = fieldSize();

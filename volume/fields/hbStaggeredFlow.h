@@ -33,7 +33,7 @@ public:
   enum Field : std::uint8_t { kU, kV, kW, kT };
 
   /// `cells` along x and y, half as many along z: even, at least 4. Starts at rest with T = y (pure conduction).
-  /// Memory: 17 doubles for each of the cells^3 / 2 cells.
+  /// Memory: 13 doubles for each of the (cells + 2)^2 (cells/2 + 2) places.
   hbStaggeredFlow(const Parameters& parameters, std::int64_t cells);
 
   std::int64_t cells() const { return n_; }
@@ -73,17 +73,17 @@ public:
   double nusseltBottom() const;
 
 private:
-  /// next = base + scale F(from), for the cells of a layer; or F itself where base is null.
+  /// next = base + scale F(from) in the cells of layer k.
   void addTendency(const double* base, double scale, const std::vector<double>& from, std::vector<double>& next,
                    std::int64_t k) const;
   void fillOutside(std::vector<double>& state) const;
   void divergence(const std::vector<double>& state, std::vector<double>& out) const;
-  void project(std::vector<double>& state) const;
+  void project(std::vector<double>& state);
   double wallGradient(std::int64_t inside, std::int64_t outside) const;
 
   Parameters parameters_;
   std::int64_t n_, nz_;
   hbBoxPoisson poisson_;
   std::vector<double> state_, start_, next_;
-  mutable std::vector<double> work_; ///< Of project(): one value a cell.
+  std::vector<double> work_; ///< Of project(): one value a cell.
 };
