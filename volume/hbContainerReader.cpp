@@ -72,48 +72,65 @@ hbContainerReader::hbContainerReader(const std::filesystem::path& path, std::vec
     if (!S_ISREG(status.st_mode))
       throw hbError(fmt::format("{}: expected an .hbv file, found {}", what,
                                 S_ISDIR(status.st_mode) ? "a folder" : "a device or pipe"));
-    const auto size = std::uint64_t(status.st_size);
-    std::vector<std::byte> start(std::min(size, hb::kContainerHeaderSize));
-    readAt(0, start);
-    header_ = hb::decodeContainerHeader(start, what);
-
-    const auto& [minor, features, totalSize, tableOffset, entryCount, tableChecksum] = header_;
-    if (totalSize != size)
-      throw hbError(fmt::format("{}: expected {} bytes as its header says, found {}: {}", what, totalSize, size,
-                                size < totalSize ? "truncated" : "something was added"));
-    if (tableOffset % hb::kContainerAlignment != 0 || tableOffset < hb::kContainerHeaderSize || tableOffset > size)
-      throw hbError(fmt::format("{}: expected the table at a multiple of {} from {} to {}, found offset {}", what,
-                                hb::kContainerAlignment, hb::kContainerHeaderSize, size, tableOffset));
-    const std::uint64_t tableSize = size - tableOffset;
-    if (tableSize % hb::kContainerEntrySize != 0 || entryCount != tableSize / hb::kContainerEntrySize)
-      throw hbError(fmt::format("{}: expected a table of {} entries of {} bytes at the end, found {} bytes", what,
-                                entryCount, hb::kContainerEntrySize, tableSize));
-    if (tableSize > memoryLimit_)
-      throw hbError(fmt::format("{}: table: expected at most {} bytes of memory to be needed, found {}", what,
-                                memoryLimit_, tableSize));
-    std::vector<std::byte> table(tableSize);
-    readAt(tableOffset, table);
-    if (const std::uint64_t found = hb::checksum(table); found != tableChecksum)
-      throw hbError(
-          fmt::format("{}: table: expected checksum {:016x}, found {:016x}: damaged", what, tableChecksum, found));
-    entries_ = hb::decodeContainerTable(table, tableOffset, what);
-
-    for (const hbChunkEntry& entry : entries_)
-      if (entry.kind == hbChunkKind::critical && !knows(entry.id.type))
-        throw hbError(fmt::format("{}: {}: needed to read the file (format version {}.{}), but of a type unknown here",
-                                  what, hb::describe(entry.id), hb::kContainerMajor, minor));
-    byId_.resize(entries_.size());
-    std::iota(byId_.begin(), byId_.end(), std::size_t{0});
-    std::ranges::sort(byId_, {}, [this](std::size_t i) { return entries_[i].id; });
+    readTable(std::uint64_t(status.st_size));
   } catch (...) {
     ::close(file_);
     throw;
   }
 }
 
-hbContainerReader::~hbContainerReader() { ::close(file_); }
+hbContainerReader::hbContainerReader(std::span<const std::byte> bytes, const std::string& name,
+                                     std::vector<hbChunkType> knownTypes, std::uint64_t memoryLimit)
+    : path_(name), knownTypes_(std::move(knownTypes)), memoryLimit_(memoryLimit), bytes_(bytes) {
+  readTable(bytes.size());
+}
+
+/// Header and table of a file of `size` bytes.
+void hbContainerReader::readTable(std::uint64_t size) {
+  const std::string what = path_.string();
+  std::vector<std::byte> start(std::min(size, hb::kContainerHeaderSize));
+  readAt(0, start);
+  header_ = hb::decodeContainerHeader(start, what);
+
+  const auto& [minor, features, totalSize, tableOffset, entryCount, tableChecksum] = header_;
+  if (totalSize != size)
+    throw hbError(fmt::format("{}: expected {} bytes as its header says, found {}: {}", what, totalSize, size,
+                              size < totalSize ? "truncated" : "something was added"));
+  if (tableOffset % hb::kContainerAlignment != 0 || tableOffset < hb::kContainerHeaderSize || tableOffset > size)
+    throw hbError(fmt::format("{}: expected the table at a multiple of {} from {} to {}, found offset {}", what,
+                              hb::kContainerAlignment, hb::kContainerHeaderSize, size, tableOffset));
+  const std::uint64_t tableSize = size - tableOffset;
+  if (tableSize % hb::kContainerEntrySize != 0 || entryCount != tableSize / hb::kContainerEntrySize)
+    throw hbError(fmt::format("{}: expected a table of {} entries of {} bytes at the end, found {} bytes", what,
+                              entryCount, hb::kContainerEntrySize, tableSize));
+  if (tableSize > memoryLimit_)
+    throw hbError(fmt::format("{}: table: expected at most {} bytes of memory to be needed, found {}", what,
+                              memoryLimit_, tableSize));
+  std::vector<std::byte> table(tableSize);
+  readAt(tableOffset, table);
+  if (const std::uint64_t found = hb::checksum(table); found != tableChecksum)
+    throw hbError(
+        fmt::format("{}: table: expected checksum {:016x}, found {:016x}: damaged", what, tableChecksum, found));
+  entries_ = hb::decodeContainerTable(table, tableOffset, what);
+
+  for (const hbChunkEntry& entry : entries_)
+    if (entry.kind == hbChunkKind::critical && !knows(entry.id.type))
+      throw hbError(fmt::format("{}: {}: needed to read the file (format version {}.{}), but of a type unknown here",
+                                what, hb::describe(entry.id), hb::kContainerMajor, minor));
+  byId_.resize(entries_.size());
+  std::iota(byId_.begin(), byId_.end(), std::size_t{0});
+  std::ranges::sort(byId_, {}, [this](std::size_t i) { return entries_[i].id; });
+}
+
+hbContainerReader::~hbContainerReader() {
+  if (file_ >= 0) ::close(file_);
+}
 
 void hbContainerReader::readAt(std::uint64_t offset, std::span<std::byte> out) const {
+  if (file_ < 0) { // all offsets were compared with its size
+    std::ranges::copy(bytes_.subspan(offset, out.size()), out.begin());
+    return;
+  }
   while (!out.empty()) {
     const ssize_t count = ::pread(file_, out.data(), out.size(), off_t(offset));
     if (count < 0 && errno == EINTR) continue;

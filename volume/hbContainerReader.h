@@ -24,6 +24,10 @@ public:
   /// Chunks of a type outside `knownTypes` are left alone where they are ancillary, and refused (hbError) where they
   /// are critical. `memoryLimit` (bytes) caps the table and the unpacked size of every chunk that is read.
   hbContainerReader(const std::filesystem::path& path, std::vector<hbChunkType> knownTypes, std::uint64_t memoryLimit);
+  /// The same for a file that is in memory: `bytes` are all of it, are not copied and must outlive the reader. `name`
+  /// stands for the path in messages.
+  hbContainerReader(std::span<const std::byte> bytes, const std::string& name, std::vector<hbChunkType> knownTypes,
+                    std::uint64_t memoryLimit);
   ~hbContainerReader();
   hbContainerReader(const hbContainerReader&) = delete;
   hbContainerReader& operator=(const hbContainerReader&) = delete;
@@ -54,13 +58,15 @@ public:
 private:
   class StoredBytes;
 
+  void readTable(std::uint64_t size);
   void readAt(std::uint64_t offset, std::span<std::byte> out) const;
   bool knows(hbChunkType type) const;
 
   std::filesystem::path path_;
   std::vector<hbChunkType> knownTypes_;
   std::uint64_t memoryLimit_;
-  int file_ = -1;
+  int file_ = -1; ///< -1: the file is in bytes_.
+  std::span<const std::byte> bytes_;
   hbContainerHeader header_;
   std::vector<hbChunkEntry> entries_;
   std::vector<std::size_t> byId_; ///< Indices of entries_ in the order of their ids.

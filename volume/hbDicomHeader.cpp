@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -33,7 +34,8 @@ struct Element {
 
 class Walker {
 public:
-  explicit Walker(const std::filesystem::path& path) : path_(path), file_(hb::mapFile(path, size_)) {}
+  Walker(std::span<const std::byte> file, const std::filesystem::path& path)
+      : path_(path), size_(file.size()), file_(file.data()) {}
 
   hbDicomHeader read() {
     if (size_ < kStart || text(kPrefixAt, 4) != "DICM") fail("expected a DICOM file, with DICM at byte 128");
@@ -66,11 +68,11 @@ private:
   }
 
   std::string_view text(std::uint64_t at, std::uint64_t length) const {
-    return {reinterpret_cast<const char*>(file_.get()) + at, length};
+    return {reinterpret_cast<const char*>(file_) + at, length};
   }
   template <class T>
   T number(std::uint64_t at) const {
-    return bigEndian_ ? hb::loadSample<T, true>(file_.get() + at) : hb::loadSample<T, false>(file_.get() + at);
+    return bigEndian_ ? hb::loadSample<T, true>(file_ + at) : hb::loadSample<T, false>(file_ + at);
   }
   template <class T>
   T take(std::uint64_t end) {
@@ -228,8 +230,8 @@ private:
   }
 
   std::filesystem::path path_;
-  std::uint64_t size_ = 0;
-  std::shared_ptr<const std::byte> file_;
+  std::uint64_t size_;
+  const std::byte* file_;
   std::uint64_t at_ = 0;
   bool bigEndian_ = false;
   hbDicomHeader header_;
@@ -244,4 +246,12 @@ bool hb::isDicom(const std::filesystem::path& path) {
   return in && std::string_view(start.data() + kPrefixAt, 4) == "DICM";
 }
 
-hbDicomHeader hb::readDicomHeader(const std::filesystem::path& path) { return Walker(path).read(); }
+hbDicomHeader hb::readDicomHeader(const std::filesystem::path& path) {
+  std::uint64_t size = 0;
+  const std::shared_ptr<const std::byte> file = mapFile(path, size);
+  return parseDicomHeader({file.get(), size}, path);
+}
+
+hbDicomHeader hb::parseDicomHeader(std::span<const std::byte> file, const std::filesystem::path& path) {
+  return Walker(file, path).read();
+}

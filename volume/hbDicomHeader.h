@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include <glm/vec3.hpp>
@@ -31,5 +33,8 @@ bool isDicom(const std::filesystem::path& path);
 
 /// Throws hbError for a file that is no DICOM file, is cut or damaged in its structure, or holds no pixels.
 hbDicomHeader readDicomHeader(const std::filesystem::path& path);
+
+/// The same from the bytes of the whole file; `path` is for messages.
+hbDicomHeader parseDicomHeader(std::span<const std::byte> file, const std::filesystem::path& path);
 
 } // namespace hb

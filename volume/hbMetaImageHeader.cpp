@@ -22,7 +22,10 @@ constexpr std::int64_t kMaxComponents = 65536;
 hbMetaImageHeader hb::readMetaImageHeader(const fs::path& path) {
   std::uint64_t fileSize = 0;
   const std::shared_ptr<const std::byte> file = mapFile(path, fileSize);
-  const std::string_view whole(reinterpret_cast<const char*>(file.get()), std::min(fileSize, kMaxHeader));
+  return parseMetaImageHeader({reinterpret_cast<const char*>(file.get()), std::min(fileSize, kMaxHeader)}, path);
+}
+
+hbMetaImageHeader hb::parseMetaImageHeader(std::string_view whole, const fs::path& path) {
   std::string_view rest = whole;
   const std::string what = path.string();
   hbMetaImageHeader h;

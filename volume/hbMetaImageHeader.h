@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// What the text header of a MetaImage file says about where its samples are
@@ -24,5 +25,8 @@ namespace hb {
 
 /// Throws hbError for a header without usable sizes, lines too long for ITK, or data files named by a pattern.
 hbMetaImageHeader readMetaImageHeader(const std::filesystem::path& path);
+
+/// The same from the beginning of the file at hand, `text`; `path` is for messages and for the data files beside it.
+hbMetaImageHeader parseMetaImageHeader(std::string_view text, const std::filesystem::path& path);
 
 } // namespace hb

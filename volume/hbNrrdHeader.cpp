@@ -150,7 +150,10 @@ std::string unescaped(std::string_view text) {
 hbNrrdHeader hb::readNrrdHeader(const fs::path& path) {
   std::uint64_t fileSize = 0;
   const std::shared_ptr<const std::byte> file = mapFile(path, fileSize);
-  const std::string_view whole(reinterpret_cast<const char*>(file.get()), std::min(fileSize, kMaxHeader));
+  return parseNrrdHeader({reinterpret_cast<const char*>(file.get()), std::min(fileSize, kMaxHeader)}, path);
+}
+
+hbNrrdHeader hb::parseNrrdHeader(std::string_view whole, const fs::path& path) {
   std::string_view rest = whole;
   hbNrrdHeader h;
   const Fields fields = readFields(path, rest, h.files);

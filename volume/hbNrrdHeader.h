@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volume/hbGeometry.h"
@@ -31,5 +32,8 @@ namespace hb {
 /// Throws hbError for a header without usable sizes, with more than three domain axes longer than 1, more than one
 /// range axis, or data files named by a pattern.
 hbNrrdHeader readNrrdHeader(const std::filesystem::path& path);
+
+/// The same from the beginning of the file at hand, `text`; `path` is for messages and for the data files beside it.
+hbNrrdHeader parseNrrdHeader(std::string_view text, const std::filesystem::path& path);
 
 } // namespace hb

@@ -17,7 +17,12 @@ constexpr std::uint64_t kMaxHeader = 1 << 16;
 hbVtkHeader hb::readVtkHeader(const std::filesystem::path& path) {
   std::uint64_t fileSize = 0;
   const std::shared_ptr<const std::byte> file = mapFile(path, fileSize);
-  const std::string_view whole(reinterpret_cast<const char*>(file.get()), std::min(fileSize, kMaxHeader));
+  hbVtkHeader h = parseVtkHeader({reinterpret_cast<const char*>(file.get()), std::min(fileSize, kMaxHeader)}, path);
+  if (h.ascii) h.textValues = countWords(path, h.dataOffset);
+  return h;
+}
+
+hbVtkHeader hb::parseVtkHeader(std::string_view whole, const std::filesystem::path& path) {
   std::string_view rest = whole;
   const std::string what = path.string();
   const auto none = [&] {
@@ -72,7 +77,6 @@ hbVtkHeader hb::readVtkHeader(const std::filesystem::path& path) {
     throw hbError(fmt::format("{}: DIMENSIONS: expected at least one sample along each axis and fewer than 2^60 in "
                               "all, found {}",
                               what, sizesText(h.sizes)));
-  if (h.ascii) h.textValues = countWords(path, h.dataOffset);
   return h;
 }
 

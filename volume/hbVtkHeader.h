@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -22,6 +23,9 @@ namespace hb {
 
 /// Throws hbError where the file is no such file, or its first array belongs to the cells.
 hbVtkHeader readVtkHeader(const std::filesystem::path& path);
+
+/// The same, but for the count of words, from the beginning of the file at hand, `text`; `path` is for messages.
+hbVtkHeader parseVtkHeader(std::string_view text, const std::filesystem::path& path);
 
 /// The white-space separated words of a file from `offset` on.
 std::int64_t countWords(const std::filesystem::path& path, std::uint64_t offset);
