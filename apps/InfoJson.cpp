@@ -42,8 +42,25 @@ Json app::histogramJson(const hbHistogram& h) {
           {"bins", h.bins}};
 }
 
-Json app::provenanceJson(const std::string& text) {
+void app::addSparseGrid(Json& info, const hbSparseGridFile& file) {
+  addIndexSet(info, file.grid.indexSet(), file.grid.geometry(), file.grid.components());
+  info["mapping"] = file.info.mapping == hbLatticeMapping::aligned ? "aligned" : "fitted";
+  info["type"] = hb::sampleTypeName(file.info.sampleType);
+  info["component_names"] = file.info.componentNames;
+  if (file.range)
+    for (const auto& c : file.range->components)
+      info["source_range"].push_back({finiteOrNull(c.lo), finiteOrNull(c.hi)});
+  constexpr const char* kReferences[] = {"all samples", "random samples", "random points of the analytic field"};
+  if (file.error)
+    for (const auto& c : file.error->components)
+      info["errors"].push_back({{"against", kReferences[std::size_t(c.reference)]},
+                                {"kind", c.kind == hbErrorRecord::Kind::measured ? "measured" : "guaranteed"},
+                                {"points", c.points},
+                                {"max", finiteOrNull(c.max)},
+                                {"rmse", finiteOrNull(c.rmse)},
+                                {"psnr", finiteOrNull(c.psnr)}});
   // Any file may be asked about, and whoever prints the document recurses.
   constexpr int kMaxDepth = 32;
-  return Json::parse(text, [](int depth, Json::parse_event_t, const Json&) { return depth < kMaxDepth; });
+  info["provenance"] =
+      Json::parse(file.provenance.json, [](int depth, Json::parse_event_t, const Json&) { return depth < kMaxDepth; });
 }

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <string>
-
 #include <nlohmann/json.hpp>
 
 #include "sparsegrid/hbIndexSet.h"
+#include "sparsegrid/hbSparseGridFile.h"
 #include "volume/hbGeometry.h"
 #include "volume/hbHistogram.h"
 
@@ -18,7 +17,7 @@ nlohmann::ordered_json histogramJson(const hbHistogram& histogram);
 /// The sizes of a sparse grid, whether there is one or not.
 void addIndexSet(nlohmann::ordered_json& info, const hbIndexSet& set, const hbGeometry& geometry, int components);
 
-/// A file's provenance, which is JSON; what is nested too deep to be shown is left out.
-nlohmann::ordered_json provenanceJson(const std::string& text);
+/// Everything a sparse grid's file says; of its provenance, what is nested too deep to be shown is left out.
+void addSparseGrid(nlohmann::ordered_json& info, const hbSparseGridFile& file);
 
 } // namespace app

@@ -27,38 +27,40 @@ std::string shortText(const Json& value) {
   return text;
 }
 
-void printBars(const Json& statistics) {
+void addBars(std::string& text, const Json& statistics) {
   const auto bins = statistics["bins"].get<std::vector<std::int64_t>>();
   if (bins.empty() || statistics["min"].is_null()) return;
   const double lo = statistics["min"], hi = statistics["max"];
   const auto most = double(std::max<std::int64_t>(1, *std::max_element(bins.begin(), bins.end())));
   constexpr double kWidth = 60.0;
   for (std::size_t i = 0; i < bins.size(); ++i) // square roots, so that small bins show beside a dominant background
-    fmt::print("  {:>12.5g} {:>12} {}\n", lo + (hi - lo) * double(i) / double(bins.size()), bins[i],
-               std::string(std::size_t(std::ceil(kWidth * std::sqrt(double(bins[i]) / most))), '#'));
+    text += fmt::format("  {:>12.5g} {:>12} {}\n", lo + (hi - lo) * double(i) / double(bins.size()), bins[i],
+                        std::string(std::size_t(std::ceil(kWidth * std::sqrt(double(bins[i]) / most))), '#'));
 }
 
 } // namespace
 
-void app::printInfo(const Json& info, bool bars) {
+std::string app::infoText(const Json& info, bool bars) {
+  std::string text;
   for (const auto& [key, value] : info.items()) {
     if (value.is_null() || key == "statistics" || (value.is_string() && value.get<std::string>().empty())) continue;
     if (key == "dims")
-      fmt::print("{:<26}{} x {} x {}\n", key, value[0].get<std::int64_t>(), value[1].get<std::int64_t>(),
-                 value[2].get<std::int64_t>());
+      text += fmt::format("{:<26}{} x {} x {}\n", key, value[0].get<std::int64_t>(), value[1].get<std::int64_t>(),
+                          value[2].get<std::int64_t>());
     else if (value.is_object())
       for (const auto& [inner, item] : value.items()) {
-        if (const std::string text = shortText(item); !text.empty()) fmt::print("{:<26}{}\n", inner, text);
+        if (const std::string line = shortText(item); !line.empty()) text += fmt::format("{:<26}{}\n", inner, line);
       }
     else
-      fmt::print("{:<26}{}\n", key, shortText(value));
+      text += fmt::format("{:<26}{}\n", key, shortText(value));
   }
-  if (!info.contains("statistics")) return;
+  if (!info.contains("statistics")) return text;
   int component = 0;
   for (const Json& s : info["statistics"]) {
-    fmt::print("component {}: {} values from {} to {}, mean {}, deviation {}, NaN {}, infinite {}\n", component++,
-               s["count"].dump(), shortText(s["min"]), shortText(s["max"]), shortText(s["mean"]),
-               shortText(s["deviation"]), s["nans"].dump(), s["infinities"].dump());
-    if (bars) printBars(s);
+    text += fmt::format("component {}: {} values from {} to {}, mean {}, deviation {}, NaN {}, infinite {}\n",
+                        component++, s["count"].dump(), shortText(s["min"]), shortText(s["max"]), shortText(s["mean"]),
+                        shortText(s["deviation"]), s["nans"].dump(), s["infinities"].dump());
+    if (bars) addBars(text, s);
   }
+  return text;
 }

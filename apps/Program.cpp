@@ -99,27 +99,30 @@ void InputOptions::addReadTo(CLI::App& command) {
   add("--raw-spacing", rawSpacing, "World distances between samples: 1,1,2.5")->type_name("X,Y,Z");
 }
 
+std::optional<hbRawLayout> InputOptions::rawLayout() const {
+  if (rawSize.empty()) return std::nullopt;
+  hbRawLayout raw;
+  const auto sizes = parseSizes(rawSize, 3, "--raw-size");
+  raw.size = {sizes[0], sizes[1], sizes[2]};
+  raw.type = hb::sampleTypeFromName(rawType);
+  raw.bigEndian = rawOrder == "big";
+  raw.axisOrder = rawAxes;
+  raw.offset = rawOffset;
+  raw.components = rawComponents;
+  raw.interleaving =
+      rawInterleaving == "planar" ? hbRawLayout::Interleaving::planar : hbRawLayout::Interleaving::packed;
+  if (!rawSpacing.empty()) {
+    const auto spacing = parseNumbers(rawSpacing, 3, 3, "--raw-spacing");
+    raw.spacing = {spacing[0], spacing[1], spacing[2]};
+  }
+  return raw;
+}
+
 hbInput InputOptions::open(const std::string& file, const CommonOptions& common, hbProgress& progress) const {
   hbReadOptions options;
   options.memoryLimit = common.memoryLimit();
   options.series = series;
-  if (!rawSize.empty()) {
-    hbRawLayout raw;
-    const auto sizes = parseSizes(rawSize, 3, "--raw-size");
-    raw.size = {sizes[0], sizes[1], sizes[2]};
-    raw.type = hb::sampleTypeFromName(rawType);
-    raw.bigEndian = rawOrder == "big";
-    raw.axisOrder = rawAxes;
-    raw.offset = rawOffset;
-    raw.components = rawComponents;
-    raw.interleaving =
-        rawInterleaving == "planar" ? hbRawLayout::Interleaving::planar : hbRawLayout::Interleaving::packed;
-    if (!rawSpacing.empty()) {
-      const auto spacing = parseNumbers(rawSpacing, 3, 3, "--raw-spacing");
-      raw.spacing = {spacing[0], spacing[1], spacing[2]};
-    }
-    options.raw = raw;
-  }
+  options.raw = rawLayout();
   return hbInput::open(file, options, progress);
 }
 

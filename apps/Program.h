@@ -19,6 +19,9 @@ class App;
 /// What all subcommands share: their common options, the progress bar, and the statistics file.
 namespace app {
 
+/// What a command line asks for, when it has been read and checked.
+using Work = std::function<void()>;
+
 /// Options of every subcommand.
 struct CommonOptions {
   int threads = 0;          ///< 0: one a core.
@@ -50,6 +53,8 @@ struct InputOptions {
   /// Adds the options; `positional` is the name the input has in the help.
   void addTo(CLI::App& command, const std::string& positional = "IN");
   void addReadTo(CLI::App& command); ///< All but the positional one.
+  /// The layout of a raw file where the options give one. Throws hbError for sizes, types or spacings that are none.
+  std::optional<hbRawLayout> rawLayout() const;
   /// Opens `name`, or another file read the same way.
   hbInput open(const CommonOptions& common, hbProgress& progress) const { return open(name, common, progress); }
   hbInput open(const std::string& file, const CommonOptions& common, hbProgress& progress) const;
@@ -78,18 +83,19 @@ nlohmann::ordered_json finiteOrNull(double value);
 hbProgress& progress();
 
 /// Takes the bar off the terminal before something else is written there.
-void clearProgress();
+void clearProgress() noexcept;
 
 /// Makes Ctrl-C cancel progress(), and end the process within a second in any case, leaving no temporary file.
 void handleInterrupts();
 
 } // namespace app
 
-/// Each adds one subcommand to the program; the subcommand's callback does the work.
-void addInfo(CLI::App& program, app::CommonOptions& common);
-void addGenerate(CLI::App& program, app::CommonOptions& common);
-void addCompress(CLI::App& program, app::CommonOptions& common);
-void addExtract(CLI::App& program, app::CommonOptions& common);
-void addRender(CLI::App& program, app::CommonOptions& common);
-void addProbe(CLI::App& program, app::CommonOptions& common);
-void addDiff(CLI::App& program, app::CommonOptions& common);
+/// Each adds one subcommand to the program, whose callback checks its options, as far as that goes without opening the
+/// input, and sets `work` to the rest. `common` must live as long as the program and the work.
+void addInfo(CLI::App& program, const app::CommonOptions& common, app::Work& work);
+void addGenerate(CLI::App& program, const app::CommonOptions& common, app::Work& work);
+void addCompress(CLI::App& program, const app::CommonOptions& common, app::Work& work);
+void addExtract(CLI::App& program, const app::CommonOptions& common, app::Work& work);
+void addRender(CLI::App& program, const app::CommonOptions& common, app::Work& work);
+void addProbe(CLI::App& program, const app::CommonOptions& common, app::Work& work);
+void addDiff(CLI::App& program, const app::CommonOptions& common, app::Work& work);

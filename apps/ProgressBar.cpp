@@ -98,7 +98,7 @@ ProgressBar& progressBar() {
 }
 } // namespace
 
-void app::clearProgress() { progressBar().clear(); }
+void app::clearProgress() noexcept { progressBar().clear(); }
 
 hbProgress& app::progress() {
   static hbProgress silent;

@@ -76,8 +76,6 @@ void print(const std::string& out, const Json& stats, const hbSparseGridFile& fi
 }
 
 void run(Options& options, const app::CommonOptions& common) {
-  checkNames(options);
-  common.checkOutputs({options.files.back()});
   const std::string out = options.files.back();
   const auto start = std::chrono::steady_clock::now();
   hbInput input;
@@ -106,9 +104,16 @@ void run(Options& options, const app::CommonOptions& common) {
   common.writeStats(stats);
 }
 
+app::Work prepare(Options& options, const app::CommonOptions& common) {
+  checkNames(options);
+  common.checkOutputs({options.files.back()});
+  options.input.rawLayout();
+  return [&] { run(options, common); };
+}
+
 } // namespace
 
-void addCompress(CLI::App& program, app::CommonOptions& common) {
+void addCompress(CLI::App& program, const app::CommonOptions& common, app::Work& work) {
   auto options = std::make_shared<Options>();
   hbSparseCompression& how = options->how;
   CLI::App* command = program.add_subcommand("compress", "Turns a volume or field into a sparse grid");
@@ -145,5 +150,5 @@ void addCompress(CLI::App& program, app::CommonOptions& common) {
                    "samples up to 2^26")
       ->transform(CLI::CheckedTransformer(measures));
   options->input.addReadTo(*command);
-  command->callback([options, &common] { run(*options, common); });
+  command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

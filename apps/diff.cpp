@@ -107,8 +107,6 @@ void print(const Json& result) {
 }
 
 void run(const Options& options, const app::CommonOptions& common) {
-  options.limits.check(); // before any work
-  common.checkOutputs({options.out});
   const Json result = isPicture(options.a.name) || isPicture(options.b) ? pictures(options) : volumes(options, common);
   if (options.json)
     fmt::print("{}\n", result.dump(2));
@@ -120,9 +118,16 @@ void run(const Options& options, const app::CommonOptions& common) {
   options.limits.apply(result);
 }
 
+app::Work prepare(const Options& options, const app::CommonOptions& common) {
+  options.limits.check();
+  common.checkOutputs({options.out});
+  options.a.rawLayout();
+  return [&] { run(options, common); };
+}
+
 } // namespace
 
-void addDiff(CLI::App& program, app::CommonOptions& common) {
+void addDiff(CLI::App& program, const app::CommonOptions& common, app::Work& work) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand(
       "diff", "Compares two pictures (.exr, .png), or two volumes in any form; A is the reference");
@@ -141,5 +146,5 @@ void addDiff(CLI::App& program, app::CommonOptions& common) {
       ->type_name("METRIC=VALUE");
   command->add_option("--fail-below", options->limits.below, "Exit with 1 if a metric is below a value: psnr=40")
       ->type_name("METRIC=VALUE");
-  command->callback([options, &common] { run(*options, common); });
+  command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

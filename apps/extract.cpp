@@ -1,5 +1,6 @@
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -16,20 +17,17 @@ struct Options {
   std::string out, size;
 };
 
-void run(const Options& options, const app::CommonOptions& common) {
-  common.checkOutputs({options.out});
+void run(const Options& options, const std::optional<hbSize3>& size, const app::CommonOptions& common) {
   const hbInput input = options.input.open(common, app::progress());
   hbGeometry geometry = input.geometry();
-  if (!options.size.empty()) {
-    const auto sizes = app::parseSizes(options.size, 3, "--size");
-    const hbSize3 size(sizes[0], sizes[1], sizes[2]);
+  if (size) {
     for (int d = 0; d < 3; ++d) {
       // The box stays; an axis made flat keeps its middle.
       const double edge = geometry.extent()[d];
       if (geometry.isFlat(d)) geometry.origin -= 0.5 * edge * geometry.direction[d];
-      geometry.size[d] = size[d];
-      geometry.spacing[d] = size[d] == 1 ? edge : edge / double(size[d] - 1);
-      if (size[d] == 1) geometry.origin += 0.5 * edge * geometry.direction[d];
+      geometry.size[d] = (*size)[d];
+      geometry.spacing[d] = geometry.isFlat(d) ? edge : edge / double(geometry.size[d] - 1);
+      if (geometry.isFlat(d)) geometry.origin += 0.5 * edge * geometry.direction[d];
     }
   }
   const auto start = std::chrono::steady_clock::now();
@@ -40,9 +38,20 @@ void run(const Options& options, const app::CommonOptions& common) {
   common.writeStats({{"samples", geometry.samples()}, {"seconds", seconds}});
 }
 
+app::Work prepare(const Options& options, const app::CommonOptions& common) {
+  common.checkOutputs({options.out});
+  options.input.rawLayout();
+  std::optional<hbSize3> size;
+  if (!options.size.empty()) {
+    const auto sizes = app::parseSizes(options.size, 3, "--size");
+    size = {sizes[0], sizes[1], sizes[2]};
+  }
+  return [&, size] { run(options, size, common); };
+}
+
 } // namespace
 
-void addExtract(CLI::App& program, app::CommonOptions& common) {
+void addExtract(CLI::App& program, const app::CommonOptions& common, app::Work& work) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       program.add_subcommand("extract", "Writes a compressed volume (or anything else) back as a plain one");
@@ -51,5 +60,5 @@ void addExtract(CLI::App& program, app::CommonOptions& common) {
       ->required()
       ->type_name("");
   command->add_option("--size", options->size, "Samples an axis on the same box: N, or XxYxZ (default: the source's)");
-  command->callback([options, &common] { run(*options, common); });
+  command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

@@ -32,33 +32,40 @@ std::string knownFields() {
   return text + "\n";
 }
 
-void generateCavity(const Options& options, const app::CommonOptions& common) {
+void writeAnalytic(const Options& options, const std::shared_ptr<const hbAnalyticField>& field,
+                   const app::CommonOptions& common) {
+  const hbSize3 size = field->geometry().size;
+  const auto start = std::chrono::steady_clock::now();
+  app::writeField(*field, field->geometry(), options.out, common);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  fmt::print("{}: {} x {} x {} float32 samples of {}\n", options.out, size.x, size.y, size.z, field->specification());
+  common.writeStats(
+      {{"samples", field->geometry().samples()}, {"seconds", seconds}, {"specification", field->specification()}});
+}
+
+app::Work prepareCavity(const Options& options, const app::CommonOptions& common) {
   const auto specification = hbCavitySpecification::parse(options.name);
   const auto sizes = app::parseSizes(options.size.empty() ? "65" : options.size, 3, "--size");
   if (sizes[0] != sizes[1] || sizes[0] != sizes[2])
     throw hbError(fmt::format("--size: expected one number of nodes for the cavity's cube, found '{}'", options.size));
-  app::runCavity(specification, sizes[0], options.steps, options.out, common);
+  return [&options, &common, specification, nodes = sizes[0]] {
+    app::runCavity(specification, nodes, options.steps, options.out, common);
+  };
 }
 
-void generateAnalytic(const Options& options, const app::CommonOptions& common) {
+app::Work prepareAnalytic(const Options& options, const app::CommonOptions& common) {
   if (options.steps > 0)
     throw hbError(fmt::format("--steps: expected a field that changes with time ({}), found '{}'",
                               hbCavitySpecification::kName, options.name));
   common.checkOutputs({options.out});
   const auto sizes = app::parseSizes(options.size.empty() ? "129" : options.size, 3, "--size");
   const auto field = hbAnalyticField::create(options.name)->withSize({sizes[0], sizes[1], sizes[2]});
-  const auto start = std::chrono::steady_clock::now();
-  app::writeField(*field, field->geometry(), options.out, common);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("{}: {} x {} x {} float32 samples of {}\n", options.out, sizes[0], sizes[1], sizes[2],
-             field->specification());
-  common.writeStats(
-      {{"samples", field->geometry().samples()}, {"seconds", seconds}, {"specification", field->specification()}});
+  return [&options, &common, field] { writeAnalytic(options, field, common); };
 }
 
 } // namespace
 
-void addGenerate(CLI::App& program, app::CommonOptions& common) {
+void addGenerate(CLI::App& program, const app::CommonOptions& common, app::Work& work) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       program.add_subcommand("generate", "Writes an analytic or simulated field as a volume of float32 samples");
@@ -76,8 +83,8 @@ void addGenerate(CLI::App& program, app::CommonOptions& common) {
       ->check(CLI::Range(1, 100000))
       ->type_name("T");
   command->footer(knownFields());
-  command->callback([options, &common] {
+  command->callback([options, &common, &work] {
     const bool simulated = hb::fieldName(options->name) == hbCavitySpecification::kName;
-    (simulated ? generateCavity : generateAnalytic)(*options, common);
+    work = (simulated ? prepareCavity : prepareAnalytic)(*options, common);
   });
 }

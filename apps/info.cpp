@@ -10,7 +10,6 @@
 #include "apps/InfoText.h"
 #include "apps/Program.h"
 #include "raycast/hbSceneDefaults.h"
-#include "volume/hbContainerReader.h"
 #include "volume/hbError.h"
 
 namespace {
@@ -48,28 +47,11 @@ Json describe(const Options& options, const app::CommonOptions& common) {
       histograms = hb::calcHistograms(volume, 64, app::progress());
   } else if (input.sparse) {
     const hbSparseGridFile& file = *input.sparse;
-    app::addIndexSet(info, file.grid.indexSet(), file.grid.geometry(), file.grid.components());
-    info["mapping"] = file.info.mapping == hbLatticeMapping::aligned ? "aligned" : "fitted";
-    info["type"] = hb::sampleTypeName(file.info.sampleType);
-    info["component_names"] = file.info.componentNames;
-    const hbContainerReader reader(input.name, hbSparseGridFile::chunkTypes(), common.memoryLimit());
-    info["format_version"] = fmt::format("{}.{}", hb::kContainerMajor, reader.header().minor);
+    app::addSparseGrid(info, file);
+    info["format_version"] = fmt::format("{}.{}", hb::kContainerMajor, input.container->header().minor);
     info["bits_per_sample"] = 8.0 * double(input.fileBytes) / double(input.geometry().samples() * input.components());
-    if (file.range)
-      for (const auto& c : file.range->components)
-        info["source_range"].push_back({app::finiteOrNull(c.lo), app::finiteOrNull(c.hi)});
-    constexpr const char* kReferences[] = {"all samples", "random samples", "random points of the analytic field"};
-    if (file.error)
-      for (const auto& c : file.error->components)
-        info["errors"].push_back({{"against", kReferences[std::size_t(c.reference)]},
-                                  {"kind", c.kind == hbErrorRecord::Kind::measured ? "measured" : "guaranteed"},
-                                  {"points", c.points},
-                                  {"max", app::finiteOrNull(c.max)},
-                                  {"rmse", app::finiteOrNull(c.rmse)},
-                                  {"psnr", app::finiteOrNull(c.psnr)}});
-    info["provenance"] = app::provenanceJson(file.provenance.json);
     if (options.verify) {
-      reader.verify(app::progress());
+      input.container->verify(app::progress());
       info["verified"] = true;
     }
   } else {
@@ -97,13 +79,18 @@ void run(const Options& options, const app::CommonOptions& common) {
   if (options.json)
     fmt::print("{}\n", info.dump(2, ' ', false, Json::error_handler_t::replace));
   else
-    app::printInfo(info, options.histogram);
+    fmt::print("{}", app::infoText(info, options.histogram));
   common.writeStats(info);
+}
+
+app::Work prepare(const Options& options, const app::CommonOptions& common) {
+  options.input.rawLayout();
+  return [&] { run(options, common); };
 }
 
 } // namespace
 
-void addInfo(CLI::App& program, app::CommonOptions& common) {
+void addInfo(CLI::App& program, const app::CommonOptions& common, app::Work& work) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("info", "Says what a file or field holds");
   options->input.addTo(*command);
@@ -116,5 +103,5 @@ void addInfo(CLI::App& program, app::CommonOptions& common) {
       ->check(CLI::Range(1, hbIndexSet::kMaxLevel));
   command->add_flag("--uncapped", options->uncapped,
                     "With --level: do not stop at the level that resolves the samples");
-  command->callback([options, &common] { run(*options, common); });
+  command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

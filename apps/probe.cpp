@@ -77,9 +77,15 @@ void run(const Options& options, const app::CommonOptions& common) {
   common.writeStats({{"points", n}, {"engine", hb::engineName(input.engine(hb::engineFromName(options.engine)))}});
 }
 
+app::Work prepare(const Options& options, const app::CommonOptions& common) {
+  options.input.rawLayout();
+  hb::engineFromName(options.engine);
+  return [&] { run(options, common); };
+}
+
 } // namespace
 
-void addProbe(CLI::App& program, app::CommonOptions& common) {
+void addProbe(CLI::App& program, const app::CommonOptions& common, app::Work& work) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       program.add_subcommand("probe", "Prints values and gradients at points, as CSV (nan outside the volume)");
@@ -95,5 +101,5 @@ void addProbe(CLI::App& program, app::CommonOptions& common) {
   command->add_option("--component", options->component, "Which component, from 0")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->callback([options, &common] { run(*options, common); });
+  command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

@@ -45,9 +45,6 @@ void warnOfEmptyPicture(const hbScene& scene, const hbHistogram& histogram) {
 }
 
 void run(const Options& options, const app::CommonOptions& common) {
-  if (app::extension(options.out) != ".exr" && app::extension(options.out) != ".png")
-    throw hbError(fmt::format("{}: expected a name that ends with .exr or .png", options.out));
-  common.checkOutputs({options.out, options.saveScene});
   const auto seconds = [](Clock::time_point from) {
     return std::chrono::duration<double>(Clock::now() - from).count();
   };
@@ -124,9 +121,18 @@ void run(const Options& options, const app::CommonOptions& common) {
   common.writeStats(stats);
 }
 
+app::Work prepare(const Options& options, const app::CommonOptions& common) {
+  if (app::extension(options.out) != ".exr" && app::extension(options.out) != ".png")
+    throw hbError(fmt::format("{}: expected a name that ends with .exr or .png", options.out));
+  common.checkOutputs({options.out, options.saveScene});
+  options.input.rawLayout();
+  hb::engineFromName(options.engine);
+  return [&] { run(options, common); };
+}
+
 } // namespace
 
-void addRender(CLI::App& program, app::CommonOptions& common) {
+void addRender(CLI::App& program, const app::CommonOptions& common, app::Work& work) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       program.add_subcommand("render", "Ray-casts a picture; with no options, the whole volume from a pleasant angle");
@@ -148,5 +154,5 @@ void addRender(CLI::App& program, app::CommonOptions& common) {
       ->check(CLI::Range(1, 10000))
       ->group("Rendering")
       ->capture_default_str();
-  command->callback([options, &common] { run(*options, common); });
+  command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

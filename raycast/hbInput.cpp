@@ -9,7 +9,6 @@
 
 #include "sparsegrid/hbCombinationSparseGrid.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
-#include "volume/hbContainerReader.h"
 #include "volume/hbError.h"
 #include "volume/hbVolumeField.h"
 
@@ -42,10 +41,12 @@ hbInput hbInput::open(const std::string& name, const hbReadOptions& options, hbP
   if (isFile) input.fileBytes = fs::file_size(path, none);
   // Nothing but files is opened here: reading from a pipe would wait for its writer.
   if (isFile && isContainer(path)) {
-    const hbContainerReader reader(path, hbSparseGridFile::chunkTypes(), options.memoryLimit);
-    if (!hbSparseGridFile::isIn(reader))
+    input.container =
+        std::make_shared<const hbContainerReader>(path, hbSparseGridFile::chunkTypes(), options.memoryLimit);
+    if (!hbSparseGridFile::isIn(*input.container))
       throw hbError(fmt::format("{}: expected a sparse grid, found an .hbv file without one", name));
-    input.sparse = std::make_shared<const hbSparseGridFile>(hbSparseGridFile::read(reader));
+    input.sparse = std::make_shared<const hbSparseGridFile>(hbSparseGridFile::read(*input.container));
+    input.fileBytes = input.container->header().totalSize;
     return input;
   }
   input.volume = std::make_shared<const hbVolume>(hb::readVolume(path, options, progress));

@@ -8,6 +8,7 @@
 #include "raycast/hbEngine.h"
 #include "sparsegrid/hbSparseGridFile.h"
 #include "volume/fields/hbAnalyticField.h"
+#include "volume/hbContainerReader.h"
 #include "volume/hbField.h"
 #include "volume/hbProgress.h"
 #include "volume/hbVolume.h"
@@ -22,6 +23,9 @@ struct hbInput {
   std::shared_ptr<const hbVolume> volume;
   std::shared_ptr<const hbAnalyticField> analytic;
   std::shared_ptr<const hbSparseGridFile> sparse;
+  /// The open `.hbv` file that `sparse` came from: whoever asks for more sees the same one, though another program may
+  /// have replaced it by now.
+  std::shared_ptr<const hbContainerReader> container;
   std::uint64_t fileBytes = 0; ///< 0 for analytic fields and folders.
 
   /// "volume", "analytic" or "sparse".
