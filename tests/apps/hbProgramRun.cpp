@@ -13,9 +13,9 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <poll.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
+
+#include "tests/apps/hbChildProcess.h"
 
 namespace {
 
@@ -63,32 +63,12 @@ bool catchesInterrupts(pid_t child) {
 
 double secondsSince(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
 
-// Between fork and exec: only what a signal handler may call.
-[[noreturn]] void becomeProgram(char* const* arguments, const hbProgramRun::Conditions& conditions, int out, int err) {
-  ::dup2(out, STDOUT_FILENO);
-  ::dup2(err, STDERR_FILENO);
-  if (conditions.fileBytes) {
-    const rlimit limit{*conditions.fileBytes, *conditions.fileBytes};
-    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) ::_exit(126);
-  }
-  if (!conditions.folder.empty() && ::chdir(conditions.folder.c_str()) != 0) ::_exit(126);
-  ::execv(HBVOL_PROGRAM, arguments);
-  ::_exit(127);
-}
-
 } // namespace
 
 hbProgramRun::hbProgramRun(std::vector<std::string> arguments, const Conditions& conditions)
     : arguments_(std::move(arguments)) {
-  std::string program = "hbvol";
-  std::vector<char*> pointers{program.data()};
-  for (std::string& argument : arguments_) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-
   Pipe outPipe, errPipe;
-  const pid_t child = ::fork();
-  if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0) becomeProgram(pointers.data(), conditions, outPipe.ends[1], errPipe.ends[1]);
+  hbChildProcess child(arguments_, {conditions.folder, outPipe.ends[1], errPipe.ends[1], conditions.fileBytes});
   outPipe.close(1);
   errPipe.close(1);
 
@@ -99,28 +79,24 @@ hbProgramRun::hbProgramRun(std::vector<std::string> arguments, const Conditions&
   constexpr int kPollMilliseconds = 20;
   while (outPipe.ends[0] >= 0 || errPipe.ends[0] >= 0) {
     if (conditions.interrupt && !interrupted) {
-      if (!ready && catchesInterrupts(child)) ready = Clock::now();
+      if (!ready && catchesInterrupts(child.id())) ready = Clock::now();
       if (ready && secondsSince(*ready) > kBeforeInterrupt) {
         interrupted = Clock::now();
-        ::kill(child, SIGINT);
+        child.signal(SIGINT);
       }
     }
     if (!killed && secondsSince(start) > conditions.limitSeconds) {
       killed = true;
-      ::kill(child, SIGKILL);
+      child.signal(SIGKILL);
     }
     std::array<pollfd, 2> both{{{outPipe.ends[0], POLLIN, 0}, {errPipe.ends[0], POLLIN, 0}}};
     if (::poll(both.data(), both.size(), kPollMilliseconds) < 0 && errno != EINTR) break;
     if (both[0].revents != 0) outPipe.read(out);
     if (both[1].revents != 0) errPipe.read(err);
   }
-  int status = 0;
-  rusage usage{};
-  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
-  }
+  exitCode = child.wait();
   if (interrupted) secondsAfterInterrupt = secondsSince(*interrupted);
-  exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  peakBytes = std::int64_t{usage.ru_maxrss} * 1024;
+  peakBytes = std::int64_t{child.usage().ru_maxrss} * 1024;
   EXPECT_FALSE(killed) << "not done after " << conditions.limitSeconds << " s: " << text();
   EXPECT_GE(exitCode, 0) << text();
 }
