@@ -20,6 +20,8 @@ namespace {
 
 constexpr int kTile = 16;           // pixels a side
 constexpr std::size_t kBatch = 256; // samples handed to the field at once
+/// Of one ray: 16 times the planes of a scene, for rays at an angle of up to 86 degrees to the view axis.
+constexpr double kMostSamples = 16.0 * hbSampling::kMaxSamples;
 
 /// Points of the cube collected for one call of the field.
 struct Batch {
@@ -87,7 +89,7 @@ struct Frame {
 
   RaySamples samples(const hbRay& ray, const hbRaySegment& segment) const {
     if (scene.sampling.kind == hbSampling::Kind::planewise) return onPlanes(ray, segment);
-    const double count = std::max(1.0, std::ceil(segment.length() / step));
+    const double count = std::min(std::max(1.0, std::ceil(segment.length() / step)), kMostSamples);
     const double length = segment.length() / count;
     // Iso looks at both ends of every step, integrals and maxima at the midpoints.
     if (scene.mode == hbMode::iso) return {segment.enter, length, length, std::int64_t(count) + 1};

@@ -37,6 +37,9 @@ std::vector<double> hbGeometry::cubeCoordinates(int axis) const {
 }
 
 void hbGeometry::validate(const std::string& what) const {
+  // Far beyond any unit's use, and small enough that cubeToWorld() can be inverted: no product of three edges and the
+  // origin leaves the range of 64-bit floats.
+  constexpr double kMaxLength = 1e80;
   constexpr std::int64_t kMaxSamples = std::int64_t{1} << 60;
   std::int64_t product = 1;
   for (int d = 0; d < 3; ++d) {
@@ -46,10 +49,11 @@ void hbGeometry::validate(const std::string& what) const {
       throw hbError(
           fmt::format("{}: expected fewer than 2^60 samples, found {} x {} x {}", what, size.x, size.y, size.z));
     product *= size[d];
-    if (!(spacing[d] > 0.0) || !std::isfinite(spacing[d]))
-      throw hbError(fmt::format("{}: expected a positive spacing along {}, found {}", what, "xyz"[d], spacing[d]));
-    if (!std::isfinite(origin[d]))
-      throw hbError(fmt::format("{}: expected a finite origin, found {}", what, origin[d]));
+    if (!(spacing[d] >= 1.0 / kMaxLength && spacing[d] <= kMaxLength))
+      throw hbError(fmt::format("{}: expected a positive spacing along {}, from {:g} to {:g}, found {}", what, "xyz"[d],
+                                1.0 / kMaxLength, kMaxLength, spacing[d]));
+    if (!(std::abs(origin[d]) <= kMaxLength))
+      throw hbError(fmt::format("{}: expected a finite origin, within {:g}, found {}", what, kMaxLength, origin[d]));
     if (!(std::abs(glm::length(direction[d]) - 1.0) < 1e-3))
       throw hbError(fmt::format("{}: expected a unit direction of axis {}, found length {}", what, "xyz"[d],
                                 glm::length(direction[d])));

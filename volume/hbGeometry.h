@@ -46,8 +46,8 @@ struct hbGeometry {
   /// Where the samples of an axis lie in the cube: i/(size-1), and 1/2 on a flat axis.
   std::vector<double> cubeCoordinates(int axis) const;
 
-  /// Throws hbError naming `what` unless sizes are >= 1 with a product below 2^60, spacings are positive and finite,
-  /// and direction is finite with three independent unit columns.
+  /// Throws hbError naming `what` unless sizes are >= 1 with a product below 2^60, spacings lie in [1e-80, 1e80], the
+  /// origin in [-1e80, 1e80], and direction is finite with three independent unit columns.
   void validate(const std::string& what) const;
 
   bool operator==(const hbGeometry&) const = default;

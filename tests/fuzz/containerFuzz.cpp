@@ -11,8 +11,8 @@
 
 #include "apps/InfoJson.h"
 #include "apps/InfoText.h"
-#include "scene/hbCamera.h"
-#include "scene/hbSampling.h"
+#include "raycast/hbRaycaster.h"
+#include "scene/hbScene.h"
 #include "sparsegrid/hbCombinationSparseGrid.h"
 #include "sparsegrid/hbSparseGridFile.h"
 #include "tests/fuzz/fuzz.h"
@@ -62,6 +62,7 @@ void evaluate(const hbField& field, const hbSparseGrid& grid) {
     if (std::all_of(stored.begin(), stored.end(), [](float s) { return std::abs(s) < 1e30F; }))
       for (const float v : value) fuzz::expect(v >= range.lo && v <= range.hi);
     field.gradients({x, y, z}, c, value, {dx, dy, dz});
+    grid.calcValue({0.3, 0.6, 1.0}, c);
     constexpr std::array<double, 3> kXs{0.0, 0.4, 1.0}, kYs{0.1, 0.5, 1.0}, kZs{0.0, 0.7, 0.8};
     std::array<float, 27> lattice{};
     field.lattice(kXs, kYs, kZs, c, lattice.data(), 3, 9);
@@ -78,8 +79,16 @@ void use(const hbSparseGridFile& file) {
   evaluate(file.grid, file.grid);
   const double combined = double(file.grid.indexSet().combinationValues()) * sizeof(float) * file.grid.components();
   if (combined <= double(kMemory)) evaluate(hbCombinationSparseGrid(file.grid), file.grid);
-  const hbCamera camera = hbCamera::framing(file.grid.geometry());
-  hbSampling().stepLength(file.grid.geometry(), camera);
+  for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso}) {
+    hbScene scene;
+    scene.mode = mode;
+    scene.isoValue = 0.5;
+    scene.width = scene.height = 2;
+    scene.sampling.samples = 3;
+    hbRaycaster(file.grid, scene).render();
+    scene.sampling.samples = 0;
+    scene.sampling.stepLength(file.grid.geometry(), scene.cameraFor(file.grid.geometry()));
+  }
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include <glm/matrix.hpp>
 #include <gtest/gtest.h>
 
 #include "volume/hbError.h"
@@ -47,6 +48,20 @@ TEST(hbGeometry, RefusesWhatIsNoGrid) {
   EXPECT_THROW(with([](auto& g) { g.spacing.x = 0.0; }).validate("x"), hbError);
   EXPECT_THROW(with([](auto& g) { g.spacing.x = std::numeric_limits<double>::quiet_NaN(); }).validate("x"), hbError);
   EXPECT_THROW(with([](auto& g) { g.origin.z = std::numeric_limits<double>::infinity(); }).validate("x"), hbError);
+  // Edges whose product leaves the range of 64-bit floats could not be inverted.
+  EXPECT_THROW(with([](auto& g) { g.spacing.x = 1e81; }).validate("x"), hbError);
+  EXPECT_THROW(with([](auto& g) { g.spacing.y = 1e-81; }).validate("x"), hbError);
+  EXPECT_THROW(with([](auto& g) { g.origin.x = -1e81; }).validate("x"), hbError);
+  for (const double extreme : {1e80, 1e-80}) {
+    const hbGeometry g = with([&](auto& e) {
+      e.spacing = glm::dvec3(extreme);
+      e.origin = glm::dvec3(extreme);
+    });
+    EXPECT_NO_THROW(g.validate("x"));
+    const glm::dvec3 corner(glm::inverse(g.cubeToWorld()) * g.cubeToWorld() * glm::dvec4(1.0));
+    // Some dozens of products and sums of numbers of one size, in 64 bits.
+    for (int d = 0; d < 3; ++d) EXPECT_NEAR(corner[d], 1.0, 64 * 0x1p-53);
+  }
   EXPECT_THROW(with([](auto& g) { g.direction[1] = g.direction[0]; }).validate("x"), hbError);
   EXPECT_THROW(with([](auto& g) { g.direction[1] *= 2.0; }).validate("x"), hbError);
 }
