@@ -14,6 +14,7 @@
 #include "raycast/hbRaycaster.h"
 #include "scene/hbScene.h"
 #include "sparsegrid/hbCombinationSparseGrid.h"
+#include "sparsegrid/hbSemiNodalGrid.h"
 #include "sparsegrid/hbSparseGridFile.h"
 #include "tests/fuzz/fuzz.h"
 #include "volume/hbContainerReader.h"
@@ -77,6 +78,7 @@ void use(const hbSparseGridFile& file) {
   info.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   app::infoText(info, false);
   evaluate(file.grid, file.grid);
+  evaluate(hbSemiNodalGrid(file.grid), file.grid);
   const double combined = double(file.grid.indexSet().combinationValues()) * sizeof(float) * file.grid.components();
   if (combined <= double(kMemory)) evaluate(hbCombinationSparseGrid(file.grid), file.grid);
   for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso}) {
