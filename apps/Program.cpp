@@ -129,10 +129,9 @@ hbInput InputOptions::open(const std::string& file, const CommonOptions& common,
 std::shared_ptr<const hbField> InputOptions::field(const hbInput& input, const std::string& engine,
                                                    const CommonOptions& common) const {
   const hbEngine chosen = input.engine(hb::engineFromName(engine));
-  if (input.sparse && (chosen == hbEngine::combination || chosen == hbEngine::seminodal)) {
-    const hbIndexSet& set = input.sparse->grid.indexSet();
-    const std::int64_t values = chosen == hbEngine::combination ? set.combinationValues() : set.storedValues();
-    common.checkMemory(double(sizeof(float)) * double(values) * input.components(), input.name);
+  if (input.sparse) {
+    const double loaded = double(sizeof(float)) * double(input.sparse->grid.indexSet().storedValues());
+    common.checkMemory(loaded * input.components() + input.fieldBytes(chosen), input.name);
   }
   return input.field(chosen, nanValue);
 }

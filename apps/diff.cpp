@@ -72,12 +72,11 @@ Json volumes(const Options& options, const app::CommonOptions& common) {
   if (a.volume && b.volume && !(sameSize && options.a.nanValue))
     errors = hb::volumeDifference(*a.volume, *b.volume, options.component, app::progress());
   else if (a.volume && sameSize)
-    errors = hb::fieldVolumeDifference(*a.volume, *b.field(hbEngine::automatic, options.a.nanValue), options.component,
-                                       options.a.nanValue, app::progress());
+    errors = hb::fieldVolumeDifference(*a.volume, *options.a.field(b, b.sparse ? "direct" : "full", common),
+                                       options.component, options.a.nanValue, app::progress());
   else {
-    errors = hb::fieldDifference(*a.field(hbEngine::automatic, options.a.nanValue),
-                                 *b.field(hbEngine::automatic, options.a.nanValue), options.component, options.points,
-                                 app::progress());
+    errors = hb::fieldDifference(*options.a.field(a, "auto", common), *options.a.field(b, "auto", common),
+                                 options.component, options.points, app::progress());
     against = "random points";
   }
   return {{"kind", "volumes"},

@@ -31,7 +31,8 @@ void run(const Options& options, const std::optional<hbSize3>& size, const app::
     }
   }
   const auto start = std::chrono::steady_clock::now();
-  app::writeField(*input.field(hbEngine::automatic, options.input.nanValue), geometry, options.out, common);
+  // Lattices come from a sparse grid as it is: another form would only take memory.
+  app::writeField(*options.input.field(input, input.sparse ? "direct" : "full", common), geometry, options.out, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   fmt::print("{}: {} x {} x {} samples in {:.2f} s\n", options.out, geometry.size.x, geometry.size.y, geometry.size.z,
              seconds);

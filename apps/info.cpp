@@ -68,7 +68,7 @@ Json describe(const Options& options, const app::CommonOptions& common) {
   }
   if (options.histogram && !input.volume)
     for (int c = 0; c < input.components(); ++c)
-      histograms.push_back(hb::fieldHistogram(*input.field(hbEngine::automatic), c, app::progress()));
+      histograms.push_back(hb::fieldHistogram(*options.input.field(input, "auto", common), c, app::progress()));
   for (const hbHistogram& h : histograms) info["statistics"].push_back(app::histogramJson(h));
   info["geometry"] = app::geometryJson(input.geometry());
   return info;

@@ -63,15 +63,25 @@ int hbInput::components() const { return volume ? volume->components() : analyti
 
 hbEngine hbInput::engine(hbEngine asked) const {
   if (asked != hbEngine::automatic) return asked;
-  return sparse ? hbEngine::seminodal : hbEngine::full;
+  if (!sparse) return hbEngine::full;
+  return hbSemiNodalGrid::fits(sparse->grid.indexSet()) ? hbEngine::seminodal : hbEngine::direct;
+}
+
+double hbInput::fieldBytes(hbEngine asked) const {
+  if (!sparse) return 0.0;
+  const hbEngine chosen = engine(asked);
+  const hbIndexSet& set = sparse->grid.indexSet();
+  if (chosen == hbEngine::seminodal) return hbSemiNodalGrid::bytes(set, components());
+  return chosen == hbEngine::combination ? hbCombinationSparseGrid::bytes(set, components()) : 0.0;
 }
 
 std::shared_ptr<const hbField> hbInput::field(hbEngine asked, std::optional<double> nonFinite) const {
   const hbEngine chosen = engine(asked);
   if ((chosen == hbEngine::full) == (sparse != nullptr))
     throw hbError(fmt::format("{}: the engine {} cannot evaluate {}", name, hb::engineName(chosen),
-                              sparse ? "a sparse grid; expected seminodal, direct or combination"
-                                     : "a plain volume; compress it first, or use the engine full"));
+                              sparse   ? "a sparse grid; expected seminodal, direct or combination"
+                              : volume ? "a plain volume; compress it first, or use the engine full"
+                                       : "an analytic field; compress it first, or use the engine full"));
   if (volume) return std::make_shared<const hbVolumeField>(*volume, volume->chooseValueMap(), nonFinite);
   if (analytic) return analytic;
   if (chosen == hbEngine::seminodal) return std::make_shared<const hbSemiNodalGrid>(sparse->grid);

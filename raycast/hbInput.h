@@ -43,6 +43,9 @@ struct hbInput {
   /// bytes for each of hbIndexSet::storedValues(), or of combinationValues().
   std::shared_ptr<const hbField> field(hbEngine engine, std::optional<double> nonFinite = std::nullopt) const;
 
+  /// What field() takes beside what is loaded already, at its peak, in bytes.
+  double fieldBytes(hbEngine engine) const;
+
   /// What `automatic` stands for here.
   hbEngine engine(hbEngine asked) const;
 };

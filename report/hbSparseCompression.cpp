@@ -59,18 +59,28 @@ hbRangeRecord hbSparseCompression::rangeOf(const hbInput& input, hbProgress& pro
   return record;
 }
 
+namespace {
+
+/// At random points, where the semi-nodal form of the same function is the fast one.
+hbErrorStatistics againstField(const hbField& source, const hbSparseGrid& grid, int component, hbProgress& progress) {
+  constexpr std::int64_t kPoints = hbSparseCompression::kRandomPoints;
+  if (!hbSemiNodalGrid::fits(grid.indexSet())) return hb::fieldDifference(source, grid, component, kPoints, progress);
+  return hb::fieldDifference(source, hbSemiNodalGrid(grid), component, kPoints, progress);
+}
+
+} // namespace
+
 hbErrorRecord hbSparseCompression::errorsOf(const hbInput& input, const hbField& source, const hbSparseGrid& grid,
                                             hbProgress& progress) const {
   using Reference = hbErrorRecord::Reference;
   const bool all = input.volume && (measure == Measure::all || (measure == Measure::automatic && mayScan(input)));
-  const hbSemiNodalGrid fast(grid); // the same function
   hbErrorRecord record;
   for (int c = 0; c < grid.components(); ++c) {
     const auto valueAt = [&](const glm::dvec3& p) { return grid.valueMap().toTrue(grid.calcValue(p, c)); };
     const hbErrorStatistics errors =
-        all            ? hb::fieldVolumeDifference(*input.volume, fast, c, nonFinite, progress)
+        all            ? hb::fieldVolumeDifference(*input.volume, grid, c, nonFinite, progress)
         : input.volume ? hb::randomSampleDifference(*input.volume, valueAt, c, kRandomSamples, nonFinite, progress)
-                       : hb::fieldDifference(source, fast, c, kRandomPoints, progress);
+                       : againstField(source, grid, c, progress);
     if (!std::isfinite(errors.max))
       throw hbError(fmt::format("{}: expected finite samples, found NaN or infinite ones; --nan-value V replaces them",
                                 input.name));

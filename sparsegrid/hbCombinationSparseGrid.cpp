@@ -59,6 +59,11 @@ hbCombinationTerms termsOf(const hbSparseGrid& grid, const std::vector<hbCombina
 
 } // namespace
 
+double hbCombinationSparseGrid::bytes(const hbIndexSet& set, int components) {
+  return double(sizeof(float)) * double(set.combinationValues()) * components +
+         double(sizeof(double)) * double(set.storedValues());
+}
+
 hbCombinationSparseGrid::hbCombinationSparseGrid(const hbSparseGrid& grid) : frame_(grid.frame()) {
   const hbIndexSet& set = grid.indexSet();
   std::int64_t count = 0;
@@ -131,7 +136,7 @@ hbRange hbCombinationSparseGrid::range(const hbBox& box, int component) const {
     hi += grid.coefficient * (grid.coefficient > 0 ? greatest : least);
     magnitude += std::abs(grid.coefficient) * std::max(std::abs(least), std::abs(greatest));
   }
-  // Each trilinear value rounds up to nine times in 32 bits, the sum once more.
-  const double slack = 10.0 * 0x1p-24 * magnitude;
+  // The bound of doc/sparse-grids.md.
+  const double slack = 18.0 * 0x1p-24 * magnitude;
   return {float(lo - slack), float(hi + slack)};
 }

@@ -17,6 +17,9 @@ public:
   /// of them has 2^31 values or more.
   explicit hbCombinationSparseGrid(const hbSparseGrid& grid);
 
+  /// The memory that building it takes, its temporary nodal values included.
+  static double bytes(const hbIndexSet& set, int components);
+
   struct Grid {
     glm::ivec3 levels{0};
     int coefficient = 0;

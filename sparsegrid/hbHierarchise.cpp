@@ -25,33 +25,31 @@ std::vector<hbLineGroup> lineGroups(const hbIndexSet& set, int axis) {
   return groups;
 }
 
-/// Some lines of a group, few enough to be a small part of the work.
-struct Task {
-  const hbLineGroup* group;
-  std::int64_t first, last;
-};
-
-std::vector<Task> tasksOf(const std::vector<hbLineGroup>& groups) {
-  constexpr std::int64_t kNodes = 8192;
-  std::vector<Task> tasks;
+/// The lines of all groups, cut into parts of a few thousand nodes.
+std::vector<hb::LinePart> partsOf(const std::vector<hbLineGroup>& groups) {
+  constexpr std::int64_t kNodes = 8192, kFewestInner = 16;
+  std::vector<hb::LinePart> parts;
   for (const hbLineGroup& group : groups) {
-    const std::int64_t nodes = ((std::int64_t{1} << group.finest) + 1) * group.inner;
-    const std::int64_t lines = std::max<std::int64_t>(1, kNodes / nodes);
-    for (std::int64_t first = 0; first < group.outer; first += lines)
-      tasks.push_back({&group, first, std::min(first + lines, group.outer)});
+    const std::int64_t length = (std::int64_t{1} << group.finest) + 1;
+    // Several outer lines a part, or where one of them is too much already, a share of its inner ones.
+    const bool wide = group.inner >= hb::kWideRow;
+    const std::int64_t inner = wide ? std::min(group.inner, std::max(kFewestInner, kNodes / length)) : group.inner;
+    const std::int64_t outer = std::max<std::int64_t>(1, kNodes / (length * inner));
+    for (std::int64_t o = 0; o < group.outer; o += outer)
+      for (std::int64_t i = 0; i < group.inner; i += inner)
+        parts.push_back({&group, o, std::min(o + outer, group.outer), i, std::min(i + inner, group.inner)});
   }
-  return tasks;
+  return parts;
 }
 
 void transform(const hbIndexSet& set, hb::LineTransform transform, double* values, const hbProgress& progress) {
   for (int axis = 0; axis < 3; ++axis) {
     if (set.flat()[axis]) continue;
     const std::vector<hbLineGroup> groups = lineGroups(set, axis);
-    const std::vector<Task> tasks = tasksOf(groups);
-    hb::parallelFor(std::int64_t(tasks.size()), [&](std::int64_t t) {
+    const std::vector<hb::LinePart> parts = partsOf(groups);
+    hb::parallelFor(std::int64_t(parts.size()), [&](std::int64_t p) {
       if (progress.cancelled()) throw hbCancelled();
-      const auto& [group, first, last] = tasks[std::size_t(t)];
-      hb::transformLines(*group, first, last, transform, values);
+      hb::transformLines(parts[std::size_t(p)], transform, values);
     });
   }
 }

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "sparsegrid/kernels/hbSemiNodalKernel.h"
 #include "volume/hbError.h"
 #include "volume/hbParallel.h"
@@ -49,10 +47,6 @@ std::vector<Block> blocksOf(const hbIndexSet& set) {
   std::stable_sort(blocks.begin(), blocks.end(), [](const Block& a, const Block& b) { return a.levelX < b.levelX; });
   std::int64_t offset = 0;
   for (Block& block : blocks) {
-    if (block.values() > std::numeric_limits<std::int32_t>::max())
-      throw hbError(fmt::format("sparse grid: levels y {} and z {} hold {} values, expected fewer than 2^31; use the "
-                                "engine direct",
-                                block.levelY, block.levelZ, block.values()));
     block.offset = offset;
     offset += block.values();
   }
@@ -163,9 +157,23 @@ struct hbSemiNodalGrid::Layout {
   }
 };
 
+bool hbSemiNodalGrid::fits(const hbIndexSet& set) {
+  const std::vector<Block> blocks = blocksOf(set);
+  return std::all_of(blocks.begin(), blocks.end(),
+                     [](const Block& b) { return b.values() <= std::numeric_limits<std::int32_t>::max(); });
+}
+
+double hbSemiNodalGrid::bytes(const hbIndexSet& set, int components) {
+  const Block last = blocksOf(set).back();
+  return double(sizeof(float)) * double(last.offset + last.values()) * components;
+}
+
 hbSemiNodalGrid::hbSemiNodalGrid(const hbSparseGrid& grid)
     : frame_(grid.frame()), layout_(std::make_shared<const Layout>(grid)) {
   const std::vector<Block>& blocks = layout_->blocks;
+  if (!fits(grid.indexSet()))
+    throw hbError("sparse grid: expected fewer than 2^31 values for each pair of levels of y and z; the engine direct "
+                  "takes more");
   for (int c = 0; c < grid.components(); ++c) {
     std::vector<float>& values = values_.emplace_back(std::size_t(blocks.back().offset + blocks.back().values()));
     const Lines lines(grid, c);
@@ -285,7 +293,6 @@ hbRange hbSemiNodalGrid::range(const hbBox& box, int component) const {
     return {hatsBetween(from[d], to[d], count), false};
   };
   double lo = 0.0, hi = 0.0, magnitude = 0.0;
-  std::size_t roundings = 0;
   for (const Block& block : layout_->blocks) {
     const Span x = nodesBetween(from.x, to.x, block.length() - 1);
     const auto [y, convexY] = nodes(1, block.levelY, block.nodesY);
@@ -302,9 +309,9 @@ hbRange hbSemiNodalGrid::range(const hbBox& box, int component) const {
     lo += least;
     hi += greatest;
     magnitude += std::max(std::abs(least), std::abs(greatest));
-    ++roundings;
   }
-  // Every term rounds some seven times in 32 bits (three weights, their products, two sums), and so does each addition.
-  const double slack = (8.0 + 4.0 * double(roundings)) * 0x1p-24 * magnitude;
+  // The bound of doc/sparse-grids.md, 8 + terms of one length + lengths, where a block has four terms at most; the ends
+  // are rounded to floats, too.
+  const double slack = (9.0 + 5.0 * double(layout_->blocks.size())) * 0x1p-24 * magnitude;
   return {float(lo - slack), float(hi + slack)};
 }

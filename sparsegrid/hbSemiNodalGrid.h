@@ -15,8 +15,13 @@
 /// twice). Immutable.
 class hbSemiNodalGrid final : public hbField {
 public:
-  /// O(stored values). Throws hbError where one pair of levels has 2^31 values or more.
+  /// O(stored values). Throws hbError where the set does not fit.
   explicit hbSemiNodalGrid(const hbSparseGrid& grid);
+
+  /// Whether no pair of levels has 2^31 values or more.
+  static bool fits(const hbIndexSet& set);
+  /// The memory it takes.
+  static double bytes(const hbIndexSet& set, int components);
 
   const hbGeometry& geometry() const override { return frame_.geometry; }
   int components() const override { return int(values_.size()); }

@@ -8,7 +8,7 @@
 namespace hb {
 
 /// The sets that this processor has and the kernels were built for, best first ("AVX3", "AVX2", "SSE4", ...: the names
-/// are Highway's).
+/// are Highway's). Not while another thread evaluates.
 std::vector<std::string> instructionSets();
 
 /// The one in use.

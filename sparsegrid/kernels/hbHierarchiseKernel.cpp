@@ -42,20 +42,21 @@ HWY_INLINE void transformRow(double* own, const double* left, const double* righ
 
 /// Wide rows: node by node, with both neighbours' rows where they lie.
 template <LineTransform transform>
-HWY_INLINE void wideRows(const hbLineGroup& group, std::int64_t outer, double* values) {
-  const std::int64_t inner = group.inner;
+HWY_INLINE void wideRows(const LinePart& part, std::int64_t outer, double* values) {
+  const hbLineGroup& group = *part.group;
+  const std::int64_t inner = group.inner, count = part.lastInner - part.firstInner;
   const auto row = [&](int level, std::int64_t k) {
     const hbIndexSet::AxisNode node = hbIndexSet::axisNode(false, level, k);
     const std::int64_t nodes = hbIndexSet::axisNodes(false, node.level);
-    return values + group.offset[std::size_t(node.level)] + (outer * nodes + node.index) * inner;
+    return values + group.offset[std::size_t(node.level)] + (outer * nodes + node.index) * inner + part.firstInner;
   };
   const auto level = [&](int l) HWY_ATTR {
     const std::int64_t nodes = hbIndexSet::axisNodes(false, l);
-    double* own = values + group.offset[std::size_t(l)] + outer * nodes * inner;
+    double* own = values + group.offset[std::size_t(l)] + outer * nodes * inner + part.firstInner;
     const double* left = row(l - 1, 0);
     for (std::int64_t k = 0; k < nodes; ++k, own += inner) {
       const double* right = row(l - 1, k + 1);
-      transformRow<transform>(own, left, right, inner);
+      transformRow<transform>(own, left, right, count);
       left = right;
     }
   };
@@ -143,26 +144,26 @@ HWY_INLINE void lines(const hbLineGroup& group, std::int64_t first, std::int64_t
 }
 
 template <LineTransform transform>
-HWY_INLINE void transformAll(const hbLineGroup& group, std::int64_t first, std::int64_t last, double* values) {
-  switch (group.inner) {
+HWY_INLINE void transformAll(const LinePart& part, double* values) {
+  switch (part.group->inner) {
   case 1:
-    return lines<transform, 1>(group, first, last, values);
+    return lines<transform, 1>(*part.group, part.first, part.last, values);
   case 2:
-    return lines<transform, 2>(group, first, last, values);
+    return lines<transform, 2>(*part.group, part.first, part.last, values);
   case 4:
-    return lines<transform, 4>(group, first, last, values);
+    return lines<transform, 4>(*part.group, part.first, part.last, values);
   default:
-    for (std::int64_t outer = first; outer < last; ++outer) wideRows<transform>(group, outer, values);
+    for (std::int64_t outer = part.first; outer < part.last; ++outer) wideRows<transform>(part, outer, values);
   }
 }
 
 } // namespace
 
-HWY_ATTR void hierarchiseLines(const hbLineGroup& group, std::int64_t first, std::int64_t last, double* values) {
-  transformAll<LineTransform::hierarchise>(group, first, last, values);
+HWY_ATTR void hierarchiseLines(const LinePart& part, double* values) {
+  transformAll<LineTransform::hierarchise>(part, values);
 }
-HWY_ATTR void dehierarchiseLines(const hbLineGroup& group, std::int64_t first, std::int64_t last, double* values) {
-  transformAll<LineTransform::dehierarchise>(group, first, last, values);
+HWY_ATTR void dehierarchiseLines(const LinePart& part, double* values) {
+  transformAll<LineTransform::dehierarchise>(part, values);
 }
 
 } // namespace hb::HWY_NAMESPACE
@@ -175,12 +176,11 @@ HWY_EXPORT(hierarchiseLines);
 HWY_EXPORT(dehierarchiseLines);
 } // namespace
 
-void transformLines(const hbLineGroup& group, std::int64_t first, std::int64_t last, LineTransform transform,
-                    double* values) {
+void transformLines(const LinePart& part, LineTransform transform, double* values) {
   if (transform == LineTransform::hierarchise)
-    HWY_DYNAMIC_DISPATCH(hierarchiseLines)(group, first, last, values);
+    HWY_DYNAMIC_DISPATCH(hierarchiseLines)(part, values);
   else
-    HWY_DYNAMIC_DISPATCH(dehierarchiseLines)(group, first, last, values);
+    HWY_DYNAMIC_DISPATCH(dehierarchiseLines)(part, values);
 }
 } // namespace hb
 #endif

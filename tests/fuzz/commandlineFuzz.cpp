@@ -16,6 +16,7 @@
 #include "apps/Program.h"
 #include "apps/SceneOptions.h"
 #include "tests/fuzz/fuzz.h"
+#include "volume/fields/hbCavitySpecification.h"
 
 namespace {
 
@@ -93,6 +94,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (argument.starts_with(hbInput::kFieldPrefix))
       fuzz::allowErrors(
           [&] { hbAnalyticField::create(std::string_view(argument).substr(hbInput::kFieldPrefix.size())); });
+  for (const std::string& argument : arguments)
+    if (argument.starts_with(hbCavitySpecification::kName))
+      fuzz::allowErrors([&] { hbCavitySpecification::parse(argument); });
   constexpr std::string_view kCommands = "igcerpd";
   constexpr Add kAdds[] = {addInfo, addGenerate, addCompress, addExtract, addRender, addProbe, addDiff};
   fuzz::allowErrors([&] {

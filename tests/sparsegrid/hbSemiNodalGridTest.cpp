@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <rapidcheck/gtest.h>
 
+#include "sparsegrid/hbCombinationSparseGrid.h"
 #include "tests/sparsegrid/hbTestPoints.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
@@ -28,6 +30,16 @@ double slopeBound(const hbSparseGrid& grid, int axis, double bound) {
   return 2.0 * bound * std::exp2(std::max(grid.indexSet().finest()[axis], 1));
 }
 
+/// Whether the rounding of a point's lattice coordinate may carry it over a kink, where slopes jump.
+bool besideAKink(const hbSparseGrid& grid, const glm::dvec3& point) {
+  for (int d = 0; d < 3; ++d) {
+    if (grid.latticeScale()[d] == 1.0) continue; // not rounded
+    const double place = std::ldexp(point[d] * grid.latticeScale()[d], grid.indexSet().finest()[d]);
+    if (std::abs(place - std::nearbyint(place)) <= std::ldexp(1.0, grid.indexSet().finest()[d] - 24)) return true;
+  }
+  return false;
+}
+
 void expectTheReference(const hbSparseGrid& grid, const hbTestPoints& points) {
   const hbSemiNodalGrid field(grid);
   const hbTestValues<float> values(field, points.view());
@@ -44,8 +56,9 @@ void expectTheReference(const hbSparseGrid& grid, const hbTestPoints& points) {
     ASSERT_NEAR(values.value[i], value, bound) << i;
     ASSERT_NEAR(values64.value[i], value, bound64) << i;
     for (int d = 0; d < 3; ++d) {
-      ASSERT_NEAR(values.gradient(i)[d], slopes[d], slopeBound(grid, d, bound)) << i << " along "
-                                                                                << "xyz"[d];
+      if (!besideAKink(grid, points.at(i)))
+        ASSERT_NEAR(values.gradient(i)[d], slopes[d], slopeBound(grid, d, bound)) << i << " along "
+                                                                                  << "xyz"[d];
       ASSERT_NEAR(values64.gradient(i)[d], slopes[d], slopeBound(grid, d, bound64)) << i;
     }
   }
@@ -69,6 +82,45 @@ RC_GTEST_PROP(hbSemiNodalGrid, AgreesForAnyIndexSetAndMapping, ()) {
   expectTheReference(grid, hbTestPoints::random(40));
   expectTheReference(grid, hbTestPoints::awkward());
   RC_ASSERT(!testing::Test::HasFailure());
+}
+
+// Noise on the finest nodes of one long axis, which has not 2^l + 1 samples: the lattice coordinate is rounded, and the
+// steepest hats see it.
+TEST(hbSemiNodalGrid, AlignedNoiseIsWithinTheBoundsOfEveryEngine) {
+  for (int d = 0; d < 3; ++d) {
+    hbIndexSet::Axes axes{glm::ivec3(0), glm::bvec3(true)};
+    axes.maxLevel[d] = 11;
+    axes.flat[d] = false;
+    const hbIndexSet set = hbIndexSet::full(axes);
+    hbGeometry geometry;
+    geometry.size = hbSize3(1);
+    geometry.size[d] = 1707;
+    std::mt19937 random(5);
+    std::vector<double> nodal;
+    for (std::int64_t i = 0; i < set.storedValues(); ++i) nodal.push_back(random() % 2 == 0 ? 1.0 : -1.0);
+    const hbSparseGrid grid =
+        hbSparseGrid::fromNodalValues({geometry, {}, hbLatticeMapping::aligned}, set, {std::move(nodal)});
+    const hbTestPoints points = hbTestPoints::random(2000);
+    expectTheReference(grid, points);
+    const hbTestValues<float> direct(grid, points.view()), combination(hbCombinationSparseGrid(grid), points.view());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double value = grid.calcValue(points.at(i), 0);
+      ASSERT_NEAR(direct.value[i], value, hbTestSets::directBound(grid));
+      ASSERT_NEAR(combination.value[i], value, hbTestSets::combinationBound(set, 1.0) + hbTestSets::directBound(grid));
+    }
+  }
+}
+
+TEST(hbSemiNodalGrid, SaysWhatItTakesAndWhatFits) {
+  const hbIndexSet set = hbIndexSet::regular(5, {});
+  EXPECT_TRUE(hbSemiNodalGrid::fits(set));
+  EXPECT_EQ(hbSemiNodalGrid::bytes(set, 2), 4.0 * 2.0 * double(set.storedValues()));
+  // Along a flat x axis every value stands twice.
+  const hbIndexSet flat = hbIndexSet::regular(5, {{0, 20, 20}, {true, false, false}});
+  EXPECT_EQ(hbSemiNodalGrid::bytes(flat, 1), 2.0 * 4.0 * double(flat.storedValues()));
+  // Levels 11 of y and z: 1024 x 1024 lines of 2049 values.
+  EXPECT_FALSE(hbSemiNodalGrid::fits(hbIndexSet::full({{11, 11, 11}, {false, false, false}})));
+  EXPECT_TRUE(hbSemiNodalGrid::fits(hbIndexSet::full({{10, 11, 11}, {false, false, false}})));
 }
 
 // A packet's last lanes may stand for no point: any number of points gives what each alone gives.
@@ -132,8 +184,9 @@ RC_GTEST_PROP(hbSemiNodalGrid, LatticesAreTheValuesAtTheirPoints, ()) {
 }
 
 RC_GTEST_PROP(hbSemiNodalGrid, RangesEncloseEveryValueOfTheBox, ()) {
-  const hbSemiNodalGrid field(
-      gridOf(*rc::gen::elementOf(std::vector<std::string>{"vortex", "ball", "kink"}), *hbTestSets::any()));
+  const hbSemiNodalGrid field(gridOf(*rc::gen::elementOf(std::vector<std::string>{"vortex", "ball", "kink"}),
+                                     *hbTestSets::any(),
+                                     *rc::gen::element(hbLatticeMapping::fitted, hbLatticeMapping::aligned)));
   const auto unit = rc::gen::map(rc::gen::inRange(0, 1025), [](int v) { return float(v) / 1024.0F; });
   hbBox box;
   std::array<float, 3> p{};
@@ -149,10 +202,10 @@ RC_GTEST_PROP(hbSemiNodalGrid, RangesEncloseEveryValueOfTheBox, ()) {
 }
 
 TEST(hbSemiNodalGrid, ARangeIsTightWhereTheFieldIsMultilinear) {
-  // One block, the base grid's: the range is that of its nodes, and twelve roundings of values up to 16.
+  // One block, the base grid's: the range is that of its nodes, and fourteen roundings of values up to 16.
   const hbSparseGrid grid = gridOf("multilinear", hbIndexSet::regular(1, {}));
   const hbRange range = hbSemiNodalGrid(grid).range({}, 0);
-  const double slack = 12.0 * 16.0 * 0x1p-24 + 0x1p-20; // and of the ends themselves
+  const double slack = 14.0 * 16.0 * 0x1p-24 + 0x1p-20; // and of the ends themselves
   EXPECT_NEAR(range.lo, -6.0, slack);                   // at (0,1,1)
   EXPECT_NEAR(range.hi, 16.0, slack);                   // at (1,1,1)
 }

@@ -54,10 +54,24 @@ inline double amplitude(const hbSparseGrid& grid, int component = 0) {
   return sum;
 }
 
+/// With the aligned mapping, the lattice coordinate of a point is rounded to 32 bits, by 2^-25 at most, before the
+/// weights are taken; they change by the slope 2^l of their hats. 0 with the fitted mapping: the coordinates are the
+/// points' own.
+inline double coordinateBound(const hbSparseGrid& grid, int component = 0) {
+  if (grid.latticeScale() == glm::dvec3(1.0)) return 0.0;
+  double sum = 0.0;
+  for (const hbSubspace& subspace : grid.indexSet().subspaces()) {
+    float largest = 0.0F;
+    for (const float s : grid.surpluses(subspace, component)) largest = std::max(largest, std::abs(s));
+    for (int d = 0; d < 3; ++d) sum += std::exp2(subspace.levels[d]) * 0x1p-25 * largest;
+  }
+  return sum;
+}
+
 /// Rounding of the direct engine in 32 bits: three weights and their two products, the product with the surplus, the
 /// surplus itself, and the additions over lx; the rest is in 64 bits; once more at the end.
 inline double directBound(const hbSparseGrid& grid, int component = 0) {
-  return (9.0 + grid.indexSet().finest().x) * 0x1p-24 * amplitude(grid, component);
+  return (9.0 + grid.indexSet().finest().x) * 0x1p-24 * amplitude(grid, component) + coordinateBound(grid, component);
 }
 
 /// Rounding of the semi-nodal engine in 32 bits: the stored value; the weights of y and z, their product and that with
@@ -66,24 +80,31 @@ inline double directBound(const hbSparseGrid& grid, int component = 0) {
 /// surpluses, each at most its subspace's largest.
 inline double semiNodalBound(const hbSparseGrid& grid, int component = 0) {
   const hbIndexSet& set = grid.indexSet();
-  std::map<int, int> terms; // of each length: one for each pair of levels, four at most for the base grids'
+  std::map<int, int> terms; // of each length: one for each pair of levels, two for each base grid of more than one node
+  const auto slots = [&](int d, int level) {
+    const bool base = level <= std::min(1, set.finest()[d]);
+    return base && !set.flat()[d] ? 2 : 1;
+  };
   for (const hbSubspace& subspace : set.subspaces()) {
-    if (subspace.levels.x != 0) continue;
+    const glm::ivec3 l = subspace.levels;
+    // Level 1 has level 0 in it.
+    if (l.x != 0 || (l.y == 0 && set.finest().y > 0) || (l.z == 0 && set.finest().z > 0)) continue;
     int finest = 0;
-    while (set.contains(subspace.levels + glm::ivec3(finest + 1, 0, 0))) ++finest;
-    ++terms[finest];
+    while (set.contains(l + glm::ivec3(finest + 1, 0, 0))) ++finest;
+    terms[finest] += slots(1, l.y) * slots(2, l.z);
   }
   int most = 0;
   for (const auto& [length, count] : terms) most = std::max(most, count);
-  return (8.0 + most + double(terms.size())) * 0x1p-24 * amplitude(grid, component);
+  return (8.0 + most + double(terms.size())) * 0x1p-24 * amplitude(grid, component) + coordinateBound(grid, component);
 }
 
-/// Rounding of the combination in 32 bits: the nodal value, and three operations for each of three lerps, for each
-/// component grid; `largest` bounds the nodal values.
+/// Rounding of the combination in 32 bits: the nodal value; in each of three lerps a + t (b - a) a difference and a
+/// product of up to twice the `largest` nodal value and a sum of up to once that, so 5; the product with the
+/// coefficient, and the result. The coordinates' rounding comes on top (coordinateBound).
 inline double combinationBound(const hbIndexSet& set, double largest) {
   double coefficients = 0.0;
   for (const auto& grid : set.componentGrids()) coefficients += std::abs(grid.coefficient);
-  return 11.0 * 0x1p-24 * coefficients * largest;
+  return 18.0 * 0x1p-24 * coefficients * largest;
 }
 
 } // namespace hbTestSets

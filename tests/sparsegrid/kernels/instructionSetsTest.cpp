@@ -85,10 +85,11 @@ RC_GTEST_PROP(instructionSets, GiveTheSameValuesForAnyIndexSet, ()) {
 
 RC_GTEST_PROP(instructionSets, HierarchiseToTheSameSurpluses, ()) {
   const Sets sets;
-  // Full sets up to level 7: lines long enough for every path, and any other one.
-  const hbIndexSet set = *rc::gen::oneOf(hbTestSets::any(), rc::gen::map(rc::gen::inRange(4, 8), [](int finest) {
-                                           return hbIndexSet::full({{finest, 3, finest - 3}, {false, false, false}});
-                                         }));
+  // Full sets up to level 7: lines long enough for every path, groups that are cut both ways; and any other set.
+  const hbIndexSet set =
+      *rc::gen::oneOf(hbTestSets::any(), rc::gen::map(rc::gen::inRange(4, 8), [](int finest) {
+                        return hbIndexSet::full({{finest, finest - 3, finest}, {false, false, false}});
+                      }));
   std::vector<double> nodal;
   std::mt19937 random(7);
   for (std::int64_t i = 0; i < set.storedValues(); ++i) nodal.push_back(double(random()) / 1000.0);
