@@ -45,6 +45,8 @@ void app::runCavity(const hbCavitySpecification& specification, std::int64_t nod
   const std::vector<std::string> files = steps > 0 ? seriesNames(out, nodes, steps) : std::vector{out};
   common.checkOutputs(files);
   const bool toSteady = steps == 0 && !specification.endTime;
+  const double end = specification.endTime.value_or(kSeriesEnd);
+  if (!toSteady) hbCavityFlow::checkTime(specification.flow, nodes, end);
   common.checkMemory(hbCavityFlow::memory(nodes, toSteady), out);
   const auto start = std::chrono::steady_clock::now();
   hbCavityFlow flow(specification.flow, nodes);
@@ -53,7 +55,7 @@ void app::runCavity(const hbCavitySpecification& specification, std::int64_t nod
     if (toSteady)
       flow.runToSteady(specification.tolerance, specification.maxSteps, progress());
     else
-      flow.advanceTo(specification.endTime.value_or(kSeriesEnd) * double(i + 1) / double(files.size()), progress());
+      flow.advanceTo(end * double(i + 1) / double(files.size()), progress());
     write(stream, flow, specification.quantity);
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

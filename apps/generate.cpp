@@ -29,7 +29,7 @@ std::string knownFields() {
   text += fmt::format("Simulated, for generate only (--size: odd, {} to {}):\n  {:<16}a heated cube under a moving lid",
                       hbCavityFlow::kFewest, hbCavityFlow::kMost, hbCavitySpecification::kName);
   for (const auto& [key, value] : hbCavitySpecification::defaults()) text += fmt::format("; {}={}", key, value);
-  return text + "\n";
+  return text + "; max-steps is for the steady flow only\n";
 }
 
 void writeAnalytic(const Options& options, const std::shared_ptr<const hbAnalyticField>& field,
@@ -48,6 +48,7 @@ app::Work prepareCavity(const Options& options, const app::CommonOptions& common
   const auto sizes = app::parseSizes(options.size.empty() ? "65" : options.size, 3, "--size");
   if (sizes[0] != sizes[1] || sizes[0] != sizes[2])
     throw hbError(fmt::format("--size: expected one number of nodes for the cavity's cube, found '{}'", options.size));
+  hbCavityFlow::check(specification.flow, sizes[0]);
   return [&options, &common, specification, nodes = sizes[0]] {
     app::runCavity(specification, nodes, options.steps, options.out, common);
   };

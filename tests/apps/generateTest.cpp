@@ -92,6 +92,15 @@ TEST_F(generate, WritesAVolumeATimeStep) {
 TEST_F(generate, RefusesCavitiesThatCannotBe) {
   expectFailureLeavesAll({"generate", "cavity,reynolds=-1", "x.nrrd"}, 1, "reynolds");
   expectFailureLeavesAll({"generate", "cavity", "x.nrrd", "--size", "16"}, 1, "odd number of nodes");
+  // Before the memory: no machine has that of these.
+  expectFailureLeavesAll({"generate", "cavity", "x.nrrd", "--size", "100001"}, 1, "nodes from 9 to 257, found 100001");
+  expectFailureLeavesAll({"generate", "cavity,reynolds=10000,richardson=-10", "x.nrrd", "--size", "9"}, 1,
+                         "the flow grew without bound at time");
+  expectFailureLeavesAll({"generate", "cavity,reynolds=0.01,end-time=1000", "x.nrrd", "--size", "9"}, 1,
+                         "at most 1000000 time steps");
+  expectFailureLeavesAll({"generate", "cavity,reynolds=0.01", "x.nrrd", "--size", "17", "--steps", "9"}, 1,
+                         "at most 1000000 time steps");
+  expectFailureLeavesAll({"generate", "cavity,end-time=0", "x.nrrd", "--size", "9"}, 1, "expected a positive time");
   expectFailureLeavesAll({"generate", "cavity", "x.nrrd", "--size", "17x17x9"}, 1, "--size");
   expectFailureLeavesAll({"generate", "cavity", "x.png", "--size", "9"}, 1, "x.png");
   expectFailureLeavesAll({"generate", "cavity", "nowhere/x.nrrd", "--size", "9"}, 1, "nowhere");

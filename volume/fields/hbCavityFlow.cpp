@@ -26,10 +26,29 @@ constexpr std::int64_t kCoarsest = 16;    // cells an axis
 constexpr std::int64_t kStepsBetween = 8; // between two mixings: few enough, and far enough apart to differ
 constexpr std::size_t kDepth = 10;
 
-double largestDifference(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
+// Six hours on 65^3 nodes: beyond, a wrong parameter is likelier than patience.
+constexpr double kMostSteps = 1e6;
+
+[[noreturn]] void throwGrown(double time) {
+  throw hbError(fmt::format("cavity: the flow grew without bound at time {:.4g}; expected a smaller reynolds or "
+                            "|richardson|, or a finer grid",
+                            time));
+}
+
+/// The stable step at `time`; throws hbError where there is none any more. The bound keeps speeds finite in 32 bits
+/// and, with kMostSteps, every step above the last digits of the time.
+double stableStep(const hbStaggeredFlow& flow, const hbStaggeredFlow::Parameters& parameters, double time) {
+  constexpr double kLeastShare = 1e-6; // of the step for the fluid at rest
+  const double dt = flow.stableStep();
+  if (!(dt > kLeastShare * hbStaggeredFlow::stableStep(parameters, flow.cells(), 1.0))) throwGrown(time);
+  return dt;
+}
+
+/// The largest change since `before` per unit of time; throws hbError where it is not finite.
+double changeRate(const hbStaggeredFlow& flow, const std::vector<double>& before, double duration, double time) {
+  const double rate = flow.largestChange(before) / duration;
+  if (!std::isfinite(rate)) throwGrown(time);
+  return rate;
 }
 
 /// Advances by `dt`, and stops where the user wants it to.
@@ -44,7 +63,8 @@ struct Relaxation {
   std::int64_t steps = 0;
 };
 
-Relaxation relax(hbStaggeredFlow& flow, double tolerance, std::int64_t maxSteps, hbProgress& progress) {
+Relaxation relax(hbStaggeredFlow& flow, const hbStaggeredFlow::Parameters& parameters, double tolerance,
+                 std::int64_t maxSteps, hbProgress& progress) {
   const std::int64_t nodes = flow.cells() + 1;
   constexpr std::int64_t kPercent = 100;
   progress.begin(fmt::format("settling {}^3", nodes), kPercent, "percent");
@@ -53,11 +73,11 @@ Relaxation relax(hbStaggeredFlow& flow, double tolerance, std::int64_t maxSteps,
   double first = 0.0;
   std::int64_t shown = 0;
   for (std::vector<double> state = flow.state();; flow.setState(state)) {
-    const double dt = flow.stableStep();
+    const double dt = stableStep(flow, parameters, done.time), duration = double(kStepsBetween) * dt;
     for (std::int64_t s = 0; s < kStepsBetween; ++s) step(flow, dt, progress);
     done.steps += kStepsBetween;
-    done.time += double(kStepsBetween) * dt;
-    done.residual = largestDifference(flow.state(), state) / (double(kStepsBetween) * dt);
+    done.time += duration;
+    done.residual = changeRate(flow, state, duration, done.time);
     if (first == 0.0) first = std::max(done.residual, 2.0 * tolerance);
     if (done.residual <= tolerance || done.steps >= maxSteps) return done;
     // Residuals shrink by about the same factor each time: their logarithm tells how far the work is.
@@ -80,31 +100,45 @@ std::vector<std::int64_t> gridSequence(std::int64_t cells) {
 } // namespace
 
 hbCavityFlow::hbCavityFlow(const Parameters& parameters, std::int64_t nodes)
-    : parameters_(parameters), nodes_(nodes),
-      flow_(parameters,
-            [nodes] {
-              if (nodes < kFewest || nodes > kMost || nodes % 2 == 0)
-                throw hbError(fmt::format("cavity: expected an odd number of nodes from {} to {}, found {}", kFewest,
-                                          kMost, nodes));
-              return nodes - 1;
-            }()),
+    : parameters_(parameters), nodes_(nodes), flow_(parameters, (check(parameters, nodes), nodes - 1)),
       residual_(std::numeric_limits<double>::infinity()) {}
+
+void hbCavityFlow::check(const Parameters& parameters, std::int64_t nodes) {
+  for (const auto& [name, value] : {std::pair("reynolds", parameters.reynolds), {"prandtl", parameters.prandtl}})
+    if (!(value > 0.0 && std::isfinite(value)))
+      throw hbError(fmt::format("cavity: expected a positive, finite {}, found {}", name, value));
+  if (!std::isfinite(parameters.richardson))
+    throw hbError(fmt::format("cavity: expected a finite richardson, found {}", parameters.richardson));
+  if (nodes < kFewest || nodes > kMost || nodes % 2 == 0)
+    throw hbError(
+        fmt::format("cavity: expected an odd number of nodes from {} to {}, found {}", kFewest, kMost, nodes));
+}
+
+void hbCavityFlow::checkTime(const Parameters& parameters, std::int64_t nodes, double time) {
+  const double steps = std::ceil(time / hbStaggeredFlow::stableStep(parameters, nodes - 1, 1.0));
+  if (!(steps <= kMostSteps))
+    throw hbError(fmt::format("cavity: expected an end-time of at most {:.0f} time steps, found {:.4g}, which takes "
+                              "about {:.0f} on {}^3 nodes",
+                              kMostSteps, time, steps, nodes));
+}
 
 double hbCavityFlow::memory(std::int64_t nodes, bool toSteady) {
   return (toSteady ? 40.0 : 12.0) * double(sizeof(double)) * std::pow(double(nodes), 3.0);
 }
 
 void hbCavityFlow::advanceTo(double time, hbProgress& progress) {
+  checkTime(parameters_, nodes_, time);
   constexpr double kParts = 1000.0;
   const double start = time_;
   progress.begin(fmt::format("simulating to time {:.3g}", time), std::int64_t(kParts), "parts");
   for (std::int64_t shown = 0; time_ < time;) {
-    const double left = time - time_, count = std::ceil(left / flow_.stableStep()), dt = left / count;
+    const double left = time - time_, count = std::ceil(left / stableStep(flow_, parameters_, time_)),
+                 dt = left / count;
     const std::vector<double> before = flow_.state();
     step(flow_, dt, progress);
-    residual_ = largestDifference(flow_.state(), before) / dt;
     ++steps_;
     time_ = count > 1.0 ? time_ + dt : time;
+    residual_ = changeRate(flow_, before, dt, time_);
     const auto parts = std::int64_t(kParts * (time_ - start) / (time - start));
     progress.advance(parts - shown);
     shown = parts;
@@ -120,7 +154,8 @@ bool hbCavityFlow::runToSteady(double tolerance, std::int64_t maxSteps, hbProgre
     if (cells != grids.front()) flow.interpolate(flow_);
     flow_ = std::move(flow);
     const bool last = cells == grids.back();
-    const Relaxation done = relax(flow_, last ? tolerance : std::max(tolerance, kCoarse), maxSteps, progress);
+    const Relaxation done =
+        relax(flow_, parameters_, last ? tolerance : std::max(tolerance, kCoarse), maxSteps, progress);
     time_ = done.time;
     steps_ = done.steps;
     residual_ = done.residual;

@@ -20,21 +20,30 @@ public:
   /// Numbers of nodes an axis there may be: odd, from kFewest to kMost.
   static constexpr std::int64_t kFewest = 9, kMost = 257;
 
-  /// Throws hbError unless `nodes`, along each axis, is odd and from kFewest to kMost.
+  /// Throws hbError unless reynolds and prandtl are positive and finite, richardson is finite, and `nodes`, along each
+  /// axis, is odd and from kFewest to kMost.
+  static void check(const Parameters& parameters, std::int64_t nodes);
+  /// Throws hbError where the time steps to `time`, as long as they are for the fluid at rest, are more than a million,
+  /// or `time` is not finite.
+  static void checkTime(const Parameters& parameters, std::int64_t nodes, double time);
+
+  /// Throws what check() throws.
   hbCavityFlow(const Parameters& parameters, std::int64_t nodes);
 
   /// Bytes that a flow, and one volume of it, take: about 40 nodes^3 doubles for runToSteady(), 12 for advanceTo().
   static double memory(std::int64_t nodes, bool toSteady);
 
   /// Advances to exactly `time`, at least time(), in equal steps as long as is stable.
+  /// Throws what checkTime() throws, and hbError where the flow grows without bound: it is of no use then.
   void advanceTo(double time, hbProgress& progress = hbProgress::none());
 
   /// Replaces the flow by the steady one: it is found on grids of a quarter, half and all of the cells (as far as they
   /// have 16 an axis), each started from the one before, by time steps with hbAndersonMixing between them.
   ///
   /// Steady means: over the last eight time steps, no velocity and temperature changed by more than `tolerance` per
-  /// unit of time. Gives up after about `maxSteps` steps on one grid. Returns whether the flow is steady. Where it is
-  /// cancelled, the flow is on some grid: of no use but to start this again.
+  /// unit of time. Gives up after about `maxSteps` steps on one grid. Returns whether the flow is steady. Throws
+  /// hbError where the flow grows without bound. Then, and where it is cancelled, the flow is on some grid: of no use
+  /// but to start this again. `tolerance` and `maxSteps` are positive.
   bool runToSteady(double tolerance, std::int64_t maxSteps, hbProgress& progress = hbProgress::none());
 
   /// Simulated so far, in lid passages (edge over lid speed). After runToSteady(): the steps' total on the finest grid,

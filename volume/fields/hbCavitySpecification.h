@@ -14,10 +14,10 @@ struct hbCavitySpecification {
 
   hbCavityFlow::Parameters flow;
   hbCavityFlow::Quantity quantity = hbCavityFlow::Quantity::pressure;
-  std::optional<double> endTime; ///< Nothing: the steady flow.
+  std::optional<double> endTime; ///< Positive. Nothing: the steady flow.
   double tolerance = 0.0;
-  std::int64_t maxSteps = 0;
-  std::string text; ///< With every parameter: parse(text) gives the same.
+  std::int64_t maxSteps = 0; ///< Without an end time.
+  std::string text;          ///< With every parameter: parse(text) gives the same.
 
   /// Throws hbError for an unknown parameter, or a value out of range.
   static hbCavitySpecification parse(std::string_view specification);

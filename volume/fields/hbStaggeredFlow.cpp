@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "volume/hbParallel.h"
 
 namespace {
+
+/// Unlike std::max: NaN where one of them is.
+double largerOrNaN(double a, double b) { return a >= b || std::isnan(a) ? a : b; }
 
 /// The distances from a value to its neighbours along x, y, z.
 using Strides = std::array<std::int64_t, 3>;
@@ -155,11 +159,15 @@ double hbStaggeredFlow::stableStep() const {
     double& most = fastest[std::size_t(layer)];
     for (std::int64_t j = 1; j <= n_; ++j) {
       const double *const u = state_.data() + (layer + 1) * sz + j * sy + 1, *const v = u + size, *const w = v + size;
-      for (std::int64_t i = 0; i < n_; ++i) most = std::max(most, std::abs(u[i]) + std::abs(v[i]) + std::abs(w[i]));
+      for (std::int64_t i = 0; i < n_; ++i) most = largerOrNaN(most, std::abs(u[i]) + std::abs(v[i]) + std::abs(w[i]));
     }
   });
-  const double convection = *std::max_element(fastest.begin(), fastest.end()) * double(n_);
-  const double diffusion = 12.0 * double(n_ * n_) / (parameters_.reynolds * std::min(1.0, parameters_.prandtl));
+  return stableStep(parameters_, n_, std::accumulate(fastest.begin(), fastest.end(), 1.0, largerOrNaN));
+}
+
+double hbStaggeredFlow::stableStep(const Parameters& parameters, std::int64_t cells, double speed) {
+  const double convection = speed * double(cells);
+  const double diffusion = 12.0 * double(cells * cells) / (parameters.reynolds * std::min(1.0, parameters.prandtl));
   return 1.0 / std::hypot(diffusion / 2.45, convection / 2.6);
 }
 
@@ -191,11 +199,18 @@ std::vector<double> hbStaggeredFlow::pressure() const {
   return p;
 }
 
+double hbStaggeredFlow::largestChange(const std::vector<double>& before) const {
+  assert(before.size() == state_.size());
+  double most = 0.0;
+  for (std::size_t i = 0; i < state_.size(); ++i) most = largerOrNaN(most, std::abs(state_[i] - before[i]));
+  return most;
+}
+
 double hbStaggeredFlow::largestDivergence() const {
   std::vector<double> values(work_.size());
   divergence(state_, values);
   double most = 0.0;
-  for (const double v : values) most = std::max(most, std::abs(v));
+  for (const double v : values) most = largerOrNaN(most, std::abs(v));
   return most;
 }
 

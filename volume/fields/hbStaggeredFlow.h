@@ -25,14 +25,15 @@
 class hbStaggeredFlow {
 public:
   struct Parameters {
-    double reynolds = 1000.0; ///< Lid speed times edge over viscosity; positive.
-    double prandtl = 0.71;    ///< Viscosity over thermal diffusivity; positive.
-    double richardson = 0.0;  ///< Buoyancy over inertia; positive: the warm lid lies stably on top.
+    double reynolds = 1000.0; ///< Lid speed times edge over viscosity; positive and finite.
+    double prandtl = 0.71;    ///< Viscosity over thermal diffusivity; positive and finite.
+    double richardson = 0.0;  ///< Buoyancy over inertia; finite; positive: the warm lid lies stably on top.
   };
 
   enum Field : std::uint8_t { kU, kV, kW, kT };
 
-  /// `cells` along x and y, half as many along z: even, at least 4. Starts at rest with T = y (pure conduction).
+  /// `cells` along x and y, half as many along z: even, at least 4; `parameters` in their ranges: neither is checked
+  /// here (hbCavityFlow does). Starts at rest with T = y (pure conduction).
   /// Memory: 13 doubles for each of the (cells + 2)^2 (cells/2 + 2) places.
   hbStaggeredFlow(const Parameters& parameters, std::int64_t cells);
 
@@ -55,7 +56,10 @@ public:
 
   /// The largest stable time step: inside the ellipse with half-axes 2.45 (diffusion, 12/(h^2 Re) or with Re Pr)
   /// and 2.6 (convection, the largest |u|+|v|+|w| over h), which lies in the region of stability of four-stage schemes.
+  /// Not finite, or 0, where a velocity is not finite.
   double stableStep() const;
+  /// The same where `speed`, at least that of the lid (1), is the largest |u|+|v|+|w|.
+  static double stableStep(const Parameters& parameters, std::int64_t cells, double speed);
 
   /// One time step: four projections. On all threads; the result does not depend on their number.
   void step(double dt);
@@ -64,7 +68,10 @@ public:
   /// outer layer continues it linearly beyond the walls.
   std::vector<double> pressure() const;
 
-  /// The largest |div u| of a cell.
+  /// The largest difference between a value of `before`, as large as state(), and the one now; NaN where one is NaN.
+  double largestChange(const std::vector<double>& before) const;
+
+  /// The largest |div u| of a cell; NaN where one is NaN.
   double largestDivergence() const;
 
   /// Mean heat flux from the wall into the fluid, times Re Pr: the Nusselt number, with the scheme's own difference at

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -240,6 +241,32 @@ TEST(hbCavityFlow, GivesUpAndCanBeStopped) {
   EXPECT_THROW(flow.runToSteady(1e-9, 1000, progress), hbCancelled);
 }
 
+TEST(hbCavityFlow, FlowsThatGrowWithoutBoundAreErrors) {
+  hbCavityFlow steady({.reynolds = 10000.0, .richardson = -10.0}, 9);
+  EXPECT_HB_ERROR(steady.runToSteady(5e-4, 4000), "the flow grew without bound at time ");
+  // Speeds that leave no step to speak of, and forces that a single step turns into infinite speeds.
+  for (const double richardson : {1e20, 1e300}) {
+    hbCavityFlow stiff({.richardson = richardson}, 9);
+    EXPECT_HB_ERROR(stiff.advanceTo(20.0), "expected a smaller reynolds or |richardson|, or a finer grid");
+    hbCavityFlow settling({.richardson = richardson}, 9);
+    EXPECT_HB_ERROR(settling.runToSteady(5e-4, 4000), "grew without bound");
+  }
+  // Viscosity that leaves no step at all.
+  EXPECT_HB_ERROR(hbCavityFlow({.reynolds = 1e-310}, 9).runToSteady(5e-4, 4000), "grew without bound at time 0;");
+}
+
+TEST(hbCavityFlow, RefusesMoreThanAMillionSteps) {
+  // Diffusion alone limits such steps: 12 * 64 / (0.01 * 0.71) / 2.45 = 44150.6 a unit of time.
+  const hbCavityFlow::Parameters thick{.reynolds = 0.01};
+  EXPECT_NO_THROW(hbCavityFlow::checkTime(thick, 9, 22.64));
+  EXPECT_HB_ERROR(hbCavityFlow::checkTime(thick, 9, 22.66), "expected an end-time of at most 1000000 time steps");
+  hbCavityFlow flow(thick, 9);
+  EXPECT_HB_ERROR(flow.advanceTo(1000.0), "found 1000, which takes about 441506");
+  EXPECT_EQ(flow.steps(), 0);
+  EXPECT_HB_ERROR(flow.advanceTo(std::numeric_limits<double>::infinity()), "found inf");
+  EXPECT_HB_ERROR(flow.advanceTo(std::numeric_limits<double>::quiet_NaN()), "found nan");
+}
+
 TEST(hbCavityFlow, TellsHowFarItIs) {
   struct Counter final : hbProgress {
     std::int64_t last = 0, total = 0, tasks = 0;
@@ -262,6 +289,16 @@ TEST(hbCavityFlow, TellsHowFarItIs) {
   flow.runToSteady(0.01, 1000, counter);
   EXPECT_EQ(counter.tasks, 3); // on 17 and 33 nodes
   EXPECT_GT(counter.last, counter.total / 4);
+}
+
+TEST(hbCavityFlow, RefusesParameters) {
+  const double none = std::numeric_limits<double>::quiet_NaN(), endless = std::numeric_limits<double>::infinity();
+  for (const double bad : {0.0, -1.0, none, endless}) {
+    EXPECT_HB_ERROR(hbCavityFlow({.reynolds = bad}, 9), "expected a positive, finite reynolds, found ");
+    EXPECT_HB_ERROR(hbCavityFlow({.prandtl = bad}, 9), "expected a positive, finite prandtl, found ");
+  }
+  for (const double bad : {none, endless, -endless})
+    EXPECT_HB_ERROR(hbCavityFlow({.richardson = bad}, 9), "expected a finite richardson, found ");
 }
 
 TEST(hbCavityFlow, RefusesSizes) {

@@ -28,10 +28,14 @@ TEST(hbCavitySpecification, DefaultsAndValues) {
 }
 
 TEST(hbCavitySpecification, RefusesWhatIsNone) {
-  for (const char* bad :
-       {"reynolds=0", "prandtl=-1", "richardson=11", "end-time=-1", "end-time=soon", "tolerance=0", "max-steps=0"})
+  for (const char* bad : {"reynolds=0", "prandtl=-1", "richardson=11", "tolerance=0", "max-steps=0", "max-steps=1.5"})
     EXPECT_HB_ERROR(hbCavitySpecification::parse("cavity," + std::string(bad)),
                     "field parameter " + std::string(bad).substr(0, std::string(bad).find('=')));
+  EXPECT_HB_ERROR(hbCavitySpecification::parse("cavity,max-steps=1.5"), "expected a whole number, found '1.5'");
+  for (const char* bad : {"0", "-1", "soon", "1s", "", "inf", "nan", "10001"})
+    EXPECT_HB_ERROR(hbCavitySpecification::parse("cavity,end-time=" + std::string(bad)),
+                    "field parameter end-time: expected a positive time up to 10000, or steady, found '" +
+                        std::string(bad) + "'");
   EXPECT_HB_ERROR(hbCavitySpecification::parse("cavity,quantity=heat"),
                   "expected one of pressure, temperature, velocity-x, velocity-y, velocity-z, speed, found 'heat'");
   EXPECT_HB_ERROR(hbCavitySpecification::parse("cavity,lid=1"), "field cavity: expected parameters among");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -72,6 +73,30 @@ TEST(hbStaggeredFlow, StableStepIsThatOfTheEllipse) {
   state[std::size_t(2 * flow.fieldSize() + at)] = 1.0;
   flow.setState(state);
   EXPECT_DOUBLE_EQ(flow.stableStep(), expected(0.01, 3.0, 8.0));
+}
+
+TEST(hbStaggeredFlow, ValuesThatAreNoNumbersAreNotOverlooked) {
+  const double none = std::numeric_limits<double>::quiet_NaN(), endless = std::numeric_limits<double>::infinity();
+  hbStaggeredFlow flow({}, 8);
+  const std::vector<double> before = flow.state();
+  const auto at = std::size_t(2 * flow.strideZ() + 3 * flow.strideY() + 4);
+  // The value beside it, which is looked at afterwards, is larger than all before.
+  const auto set = [&](double value) {
+    std::vector<double> state = before;
+    state[at] = value;
+    state[at + 1] = 5.0;
+    flow.setState(state);
+  };
+  set(1.0);
+  EXPECT_EQ(flow.largestChange(before), 5.0);
+  EXPECT_EQ(flow.largestDivergence(), 40.0); // 8 (5 - 0), beside 8 (5 - 1) and 8 (1 - 0)
+  set(none);
+  EXPECT_TRUE(std::isnan(flow.stableStep()));
+  EXPECT_TRUE(std::isnan(flow.largestChange(before)));
+  EXPECT_TRUE(std::isnan(flow.largestDivergence()));
+  set(endless);
+  EXPECT_EQ(flow.stableStep(), 0.0);
+  EXPECT_EQ(flow.largestChange(before), endless);
 }
 
 TEST(hbStaggeredFlow, StaysBoundedAtTheStableStep) {
