@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sparsegrid/hbHierarchise.h"
+#include "sparsegrid/hbLatticeEvaluator.h"
 #include "sparsegrid/hbNodeSampler.h"
 #include "sparsegrid/kernels/hbDirectKernel.h"
 #include "volume/hbError.h"
@@ -293,44 +294,8 @@ double hbSparseGrid::calcValue(const glm::dvec3& point, int component, glm::dvec
 
 void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs,
                            int component, float* out, std::size_t strideY, std::size_t strideZ) const {
-  const float* stored = surpluses(component).data();
-  const auto hatsOf = [&](std::span<const double> coordinates, int axis) {
-    std::vector<hbHat<double>> list(coordinates.size());
-    for (std::size_t i = 0; i < list.size(); ++i)
-      list[i].evaluate(latticeCoordinate(coordinates[i], axis), set_.flat()[axis], set_.finest()[axis]);
-    return list;
-  };
-  const std::vector<hbHat<double>> hatsX = hatsOf(xs, 0), hatsY = hatsOf(ys, 1), hatsZ = hatsOf(zs, 2);
-  const int finest = set_.finest().x;
-  const bool flat = set_.flat().x;
-  // rows[l]: the surpluses of the one-dimensional function that the row is, level l of x.
-  std::vector<std::vector<double>> rows(std::size_t(finest + 1));
-  for (int l = 0; l <= finest; ++l) rows[std::size_t(l)].resize(std::size_t(hbIndexSet::axisNodes(flat, l)));
-
-  const auto contract = [&](const hbHat<double>& y, const hbHat<double>& z) {
-    for (auto& row : rows) std::fill(row.begin(), row.end(), 0.0);
-    for (const hbDirectTerms::Row& row : terms_->rows) {
-      const double weight = y.weight[row.slotY] * z.weight[row.slotZ];
-      if (weight == 0.0) continue;
-      const std::int64_t line = std::int64_t(z.node[row.slotZ]) * row.nodesY + y.node[row.slotY];
-      for (int l = 0; l < row.levels; ++l) {
-        std::vector<double>& to = rows[std::size_t(l)];
-        const float* from = stored + terms_->offsets[row.firstOffset + std::size_t(l)] + line * std::int64_t(to.size());
-        for (std::size_t i = 0; i < to.size(); ++i) to[i] += weight * double(from[i]);
-      }
-    }
-  };
-  for (std::size_t k = 0; k < zs.size(); ++k)
-    for (std::size_t j = 0; j < ys.size(); ++j) {
-      contract(hatsY[j], hatsZ[k]);
-      float* row = out + j * strideY + k * strideZ;
-      for (std::size_t i = 0; i < xs.size(); ++i) {
-        const hbHat<double>& x = hatsX[i];
-        double sum = x.weight[0] * rows[0][0] + (flat ? 0.0 : x.weight[1] * rows[0][1]);
-        for (int l = 1; l <= finest; ++l) sum += x.weight[l + 1] * rows[std::size_t(l)][std::size_t(x.node[l + 1])];
-        row[i] = float(sum);
-      }
-    }
+  const hbLatticeEvaluator evaluator(*this, component, xs, ys);
+  for (std::size_t k = 0; k < zs.size(); ++k) evaluator.plane(zs[k], out + k * strideZ, strideY);
 }
 
 hbRange hbSparseGrid::range(const hbBox& box, int component) const {

@@ -79,8 +79,8 @@ public:
   void values(const hbPoints64& points, int component, std::span<double> out) const;
   void gradients(const hbPoints64& points, int component, std::span<double> out, const hbGradients64& gradient) const;
 
-  /// Contracts each (y,z) row's subspaces into one array a level of x first, so a row costs its surpluses once, not
-  /// once a sample. 64-bit sums, rounded once.
+  /// Axis by axis (hbLatticeEvaluator), so that surpluses are touched once a plane, not once a sample. 64-bit sums,
+  /// rounded once.
   void lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs, int component,
                float* out, std::size_t strideY, std::size_t strideZ) const override;
 

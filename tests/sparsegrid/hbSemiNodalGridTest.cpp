@@ -56,9 +56,10 @@ void expectTheReference(const hbSparseGrid& grid, const hbTestPoints& points) {
     ASSERT_NEAR(values.value[i], value, bound) << i;
     ASSERT_NEAR(values64.value[i], value, bound64) << i;
     for (int d = 0; d < 3; ++d) {
-      if (!besideAKink(grid, points.at(i)))
+      if (!besideAKink(grid, points.at(i))) {
         ASSERT_NEAR(values.gradient(i)[d], slopes[d], slopeBound(grid, d, bound)) << i << " along "
                                                                                   << "xyz"[d];
+      }
       ASSERT_NEAR(values64.gradient(i)[d], slopes[d], slopeBound(grid, d, bound64)) << i;
     }
   }
