@@ -20,7 +20,7 @@ hbLatticeEvaluator::hbLatticeEvaluator(const hbSparseGrid& grid, int component, 
     : grid_(grid), sizeX_(xs.size()) {
   const hbIndexSet& set = grid.indexSet();
   std::vector<double> u;
-  for (const double x : xs) u.push_back(latticeCoordinate(x, 0));
+  for (const double x : xs) u.push_back(grid.latticeCoordinate(x, 0));
   // Finer hats vanish at the nodes of that level.
   const int finest = set.flat().x ? 0 : levelOf(u, set.finest().x);
 
@@ -55,13 +55,10 @@ hbLatticeEvaluator::hbLatticeEvaluator(const hbSparseGrid& grid, int component, 
   places_.clear();
 }
 
-double hbLatticeEvaluator::latticeCoordinate(double x, int axis) const {
-  return (x > 0.0 ? std::min(x, 1.0) : 0.0) * grid_.latticeScale()[axis];
-}
-
 hbHat<double> hbLatticeEvaluator::hat(double coordinate, int axis) const {
   hbHat<double> result;
-  result.evaluate(latticeCoordinate(coordinate, axis), grid_.indexSet().flat()[axis], grid_.indexSet().finest()[axis]);
+  result.evaluate(grid_.latticeCoordinate(coordinate, axis), grid_.indexSet().flat()[axis],
+                  grid_.indexSet().finest()[axis]);
   return result;
 }
 

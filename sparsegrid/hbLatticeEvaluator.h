@@ -33,7 +33,6 @@ private:
     double t = 0.0;
   };
 
-  double latticeCoordinate(double x, int axis) const;
   hbHat<double> hat(double coordinate, int axis) const;
 
   const hbSparseGrid& grid_;

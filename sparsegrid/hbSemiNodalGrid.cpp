@@ -1,7 +1,6 @@
 #include "sparsegrid/hbSemiNodalGrid.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -202,79 +201,17 @@ void hbSemiNodalGrid::gradients(const hbPoints64& points, int component, std::sp
   hb::evaluateSemiNodal(layout_->terms, values_[std::size_t(component)].data(), points, out, &gradient);
 }
 
-namespace {
-
-/// What an axis' slots are at one coordinate: the weights of hbSemiNodalTerms::Term's slots, and their nodes.
-struct Slots {
-  std::array<std::int64_t, hbIndexSet::kMaxLevel + 1> node{};
-  std::array<double, hbIndexSet::kMaxLevel + 1> weight{};
-
-  Slots(double coordinate, const hbSemiNodalTerms::Axis& axis) {
-    if (axis.baseCells == 0) {
-      weight[0] = 1.0;
-      return;
-    }
-    const double u = (coordinate > 0.0 ? std::min(coordinate, 1.0) : 0.0) * axis.scale;
-    node[0] = std::min(std::int64_t(u * axis.baseCells), std::int64_t(axis.baseCells) - 1);
-    node[1] = node[0] + 1;
-    weight[1] = u * axis.baseCells - double(node[0]);
-    weight[0] = 1.0 - weight[1];
-    for (std::size_t l = 2; l <= std::size_t(axis.finest); ++l) {
-      const std::int64_t nodes = hbIndexSet::axisNodes(false, int(l));
-      node[l] = std::min(std::int64_t(u * double(nodes)), nodes - 1);
-      weight[l] = 1.0 - std::abs(u * double(2 * nodes) - double(2 * node[l] + 1));
-    }
-  }
-};
-
-/// line += the coarser line, which has every 2^k-th node of it.
-void addRefined(const std::vector<double>& coarse, std::vector<double>& line) {
-  const std::size_t step = (line.size() - 1) / (coarse.size() - 1);
-  for (std::size_t i = 0; i + 1 < coarse.size(); ++i)
-    for (std::size_t j = 0; j < step; ++j)
-      line[i * step + j] += coarse[i] + double(j) / double(step) * (coarse[i + 1] - coarse[i]);
-  line.back() += coarse.back();
-}
-
-} // namespace
-
 void hbSemiNodalGrid::lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs,
                               int component, float* out, std::size_t strideY, std::size_t strideZ) const {
-  const hbSemiNodalTerms& terms = layout_->terms;
-  const auto& [axisX, axisY, axisZ] = terms.axes;
-  const float* stored = values_[std::size_t(component)].data();
-  std::vector<std::vector<double>> lines; // one a group, the finest last
-  for (const hbSemiNodalTerms::Group& group : terms.groups) lines.emplace_back((std::size_t{1} << group.level) + 1);
-  const std::int64_t cells = std::int64_t(lines.back().size()) - 1;
-
-  const auto contract = [&](const Slots& y, const Slots& z) {
-    for (std::size_t g = 0; g < lines.size(); ++g) {
-      std::vector<double>& line = lines[g];
-      std::fill(line.begin(), line.end(), 0.0);
-      for (std::size_t i = terms.groups[g].begin; i < terms.groups[g].end; ++i) {
-        const hbSemiNodalTerms::Term& term = terms.terms[i];
-        const auto slotY = std::size_t(term.slotY), slotZ = std::size_t(term.slotZ);
-        const double weight = y.weight[slotY] * z.weight[slotZ];
-        if (weight == 0.0) continue;
-        const std::int64_t place = z.node[slotZ] * term.nodesY + y.node[slotY];
-        const float* from = stored + term.offset + place * std::int64_t(line.size());
-        for (std::size_t k = 0; k < line.size(); ++k) line[k] += weight * double(from[k]);
-      }
-      if (g > 0) addRefined(lines[g - 1], line);
-    }
-  };
-  for (std::size_t k = 0; k < zs.size(); ++k)
+  std::vector<double> y(xs.size()), z(xs.size()), row(xs.size());
+  for (std::size_t k = 0; k < zs.size(); ++k) {
+    std::fill(z.begin(), z.end(), zs[k]);
     for (std::size_t j = 0; j < ys.size(); ++j) {
-      contract({ys[j], axisY}, {zs[k], axisZ});
-      const std::vector<double>& line = lines.back();
-      float* row = out + j * strideY + k * strideZ;
-      for (std::size_t i = 0; i < xs.size(); ++i) {
-        const double u = (xs[i] > 0.0 ? std::min(xs[i], 1.0) : 0.0) * axisX.scale * double(cells);
-        const std::int64_t cell = std::min(std::int64_t(u), cells - 1);
-        const double a = line[std::size_t(cell)], b = line[std::size_t(cell) + 1];
-        row[i] = float(a + (u - double(cell)) * (b - a));
-      }
+      std::fill(y.begin(), y.end(), ys[j]);
+      values(hbPoints64{xs, y, z}, component, row);
+      std::copy(row.begin(), row.end(), out + j * strideY + k * strideZ);
     }
+  }
 }
 
 hbRange hbSemiNodalGrid::range(const hbBox& box, int component) const {

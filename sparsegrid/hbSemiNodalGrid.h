@@ -35,8 +35,7 @@ public:
   void values(const hbPoints64& points, int component, std::span<double> out) const;
   void gradients(const hbPoints64& points, int component, std::span<double> out, const hbGradients64& gradient) const;
 
-  /// Contracts each (y,z) row's lines into one, so a row costs its values once, not once a sample. In 64 bits, rounded
-  /// once.
+  /// Point by point, in 64 bits, rounded once. hbSparseGrid::lattice is the fast way.
   void lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs, int component,
                float* out, std::size_t strideY, std::size_t strideZ) const override;
 

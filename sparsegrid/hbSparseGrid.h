@@ -66,6 +66,8 @@ public:
 
   /// Lattice coordinate = latticeScale() * cube coordinate: 1, or (N-1)/2^n with the aligned mapping.
   const glm::dvec3& latticeScale() const { return scale_; }
+  /// That of a cube coordinate, which is clamped to the cube first (NaN to 0).
+  double latticeCoordinate(double x, int axis) const;
 
   const hbGeometry& geometry() const override { return frame_.geometry; }
   int components() const override { return int(surpluses_.size()); }
@@ -103,7 +105,6 @@ private:
   template <class Real>
   Real evaluate(const hbHat<Real>& x, const hbHat<Real>& y, const hbHat<Real>& z, const float* surpluses,
                 glm::vec<3, Real>& gradient) const;
-  double latticeCoordinate(double x, int axis) const; ///< Of a cube coordinate, clamped to the cube (NaN to 0).
   template <class Real>
   void hats(const glm::dvec3& point, hbHat<Real>& x, hbHat<Real>& y, hbHat<Real>& z) const;
 

@@ -21,7 +21,7 @@ struct Cells {
   PairArray<Real> place[hbIndexSet::kMaxLevel + 1];
 
   template <class D>
-  HWY_INLINE void evaluate(D d, hn::Vec<D> u, const hbCombinationTerms::Axis& axis) {
+  HWY_INLINE void evaluate(D d, hn::Vec<D> u, const hbLatticeAxis& axis) {
     const Indices<D> di;
     // Sizes are 2^l + 1, so u * 2^l is exact and the cells nest: every grid sees a node of the sparse grid as its own.
     for (int level = 0; level <= axis.finest; ++level) {
@@ -75,7 +75,7 @@ HWY_INLINE void evaluate(const hbCombinationTerms& terms, const float* values, c
       sum.add(d, hn::Mul(coefficient, alongX(v)));
       if constexpr (withGradient) {
         // Differences across the cell, times the cells an axis; powers of two, like the coefficients, or nearly so.
-        const auto cells = [&](const hbCombinationTerms::Axis& axis, int level) HWY_ATTR {
+        const auto cells = [&](const hbLatticeAxis& axis, int level) HWY_ATTR {
           return hn::Mul(coefficient, hn::Set(d, axis.flat ? Real(0) : Real(std::int32_t{1} << level)));
         };
         sumX.add(d, hn::Mul(cells(axisX, lx), hn::Sub(seconds(d, v), firsts(d, v))));

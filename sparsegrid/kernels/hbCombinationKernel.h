@@ -7,22 +7,18 @@
 
 #include <glm/vec3.hpp>
 
+#include "sparsegrid/kernels/hbLatticeAxis.h"
 #include "volume/hbField.h"
 
 /// Where the nodal values of an hbCombinationSparseGrid lie, as its kernel walks through them.
 struct hbCombinationTerms {
-  struct Axis {
-    bool flat = false;
-    int finest = 0;
-    double scale = 1.0; ///< Lattice coordinate = scale * cube coordinate.
-  };
   struct Grid {
     glm::ivec3 levels{0};
     int coefficient = 0;
     std::int64_t strideY = 0, strideZ = 0; ///< In values; 0 along a flat axis.
     std::int64_t offset = 0;               ///< Of its first value.
   };
-  std::array<Axis, 3> axes;
+  std::array<hbLatticeAxis, 3> axes;
   std::vector<Grid> grids;
 };
 

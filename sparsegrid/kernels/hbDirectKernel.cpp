@@ -29,7 +29,7 @@ struct HatPacket {
   }
 
   template <class D>
-  HWY_INLINE void evaluate(D d, hn::Vec<D> u, const hbDirectTerms::Axis& axis) {
+  HWY_INLINE void evaluate(D d, hn::Vec<D> u, const hbLatticeAxis& axis) {
     const Indices<D> di;
     const auto one = hn::Set(d, Real(1)), zero = hn::Zero(d);
     if (axis.flat) return put(d, 0, hn::Zero(di), one, zero);

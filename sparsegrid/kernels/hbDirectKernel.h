@@ -5,15 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "sparsegrid/kernels/hbLatticeAxis.h"
 #include "volume/hbField.h"
 
 /// Where the surpluses of an hbSparseGrid lie, as the direct evaluation walks through them.
 struct hbDirectTerms {
-  struct Axis {
-    bool flat = false;
-    int finest = 0;
-    double scale = 1.0; ///< Lattice coordinate = scale * cube coordinate.
-  };
   /// One y and one z slot (see hbHat) and the arrays of lx = 0, 1, ... that belong to their levels: at a point, each
   /// row contributes the sum over lx of one value an array, weighted by the hats of y and z.
   struct Row {
@@ -22,7 +18,7 @@ struct hbDirectTerms {
     std::int32_t levels = 0;     ///< Of x, level 0 included.
     std::size_t firstOffset = 0; ///< Into `offsets`: where the array of lx = 0 begins; then lx = 1 and so on.
   };
-  std::array<Axis, 3> axes;
+  std::array<hbLatticeAxis, 3> axes;
   std::vector<Row> rows;
   std::vector<std::int64_t> offsets;
 };
