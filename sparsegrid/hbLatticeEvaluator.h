@@ -1,46 +1,35 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
-#include <vector>
 
-#include "sparsegrid/hbHat.h"
+#include "sparsegrid/hbAxisOrder.h"
+#include "sparsegrid/hbLatticePlan.h"
 #include "sparsegrid/hbSparseGrid.h"
-#include "sparsegrid/kernels/hbLatticeKernel.h"
 
-/// Evaluates one component of a sparse grid on a rectilinear lattice, plane by plane across z, axis by axis: for a
-/// place along z the subspaces are summed over lz into one array for each (lx,ly); for a place along y these over ly
-/// into one for each lx; and along x the row is dehierarchised, once for all its places. Each surplus is so touched
-/// once a plane, not once a sample. In 64 bits, rounded once. What depends on x and y alone is prepared once.
+/// Evaluates one component of a sparse grid on rectilinear lattices, plane by plane.
 class hbLatticeEvaluator {
 public:
-  /// Keeps a reference to `grid`. Coordinates of the cube, increasing; clamped to it (NaN to 0).
-  hbLatticeEvaluator(const hbSparseGrid& grid, int component, std::span<const double> xs, std::span<const double> ys);
+  /// What is evaluated: the value, or its slope along one of the parts' axes, in field values per unit of the cube.
+  enum class Quantity : std::uint8_t { value, slopeFast, slopeRow, slopePlane };
 
-  /// out[x + strideY y] = the value at (xs[x], ys[y], z). May be called by several threads at once. O(surpluses) for
-  /// the plane and O(samples + 2^finest lx) for a row.
-  void plane(double z, float* out, std::size_t strideY) const;
+  /// Keeps a reference to `grid`.
+  hbLatticeEvaluator(const hbSparseGrid& grid, int component, const hbAxisOrder& order = {});
+
+  const hbAxisOrder& order() const { return order_; }
+
+  /// Prepares planes with samples at us along the fast axis and vs along the row axis: coordinates of the cube,
+  /// increasing; clamped to it (NaN to 0).
+  hbLatticePlan plan(std::span<const double> us, std::span<const double> vs) const;
+
+  /// out[i + strideRow j] = the value (or slope) at us[i], vs[j] and w along the plane's axis. Threads may share the
+  /// evaluator and the plan, not the workspace.
+  template <class Real>
+  void plane(const hbLatticePlan& plan, double w, hbLatticeWorkspace& workspace, Real* out, std::size_t strideRow,
+             Quantity quantity = Quantity::value) const;
 
 private:
-  /// The arrays of one (lx,ly) for all lz: where their planes begin, and where their sum goes.
-  struct Column {
-    std::int64_t count = 0;  ///< Surpluses of one plane.
-    std::int64_t offset = 0; ///< In the summed plane.
-    std::vector<const float*> byLevel;
-  };
-  /// One place along x between two adjacent nodes of a row.
-  struct Place {
-    std::int64_t cell = 0;
-    double t = 0.0;
-  };
-
-  hbHat<double> hat(double coordinate, int axis) const;
-
   const hbSparseGrid& grid_;
-  std::vector<Column> columns_;
-  std::int64_t planeSize_ = 0;
-  hbLatticeRows rows_;
-  std::vector<hbHat<double>> hatsY_;
-  std::vector<Place> places_; ///< Empty where the samples are adjacent nodes from firstNode_ on.
-  std::int64_t firstNode_ = 0;
-  std::size_t sizeX_ = 0;
+  int component_;
+  hbAxisOrder order_;
 };

@@ -294,8 +294,10 @@ double hbSparseGrid::calcValue(const glm::dvec3& point, int component, glm::dvec
 
 void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs,
                            int component, float* out, std::size_t strideY, std::size_t strideZ) const {
-  const hbLatticeEvaluator evaluator(*this, component, xs, ys);
-  for (std::size_t k = 0; k < zs.size(); ++k) evaluator.plane(zs[k], out + k * strideZ, strideY);
+  const hbLatticeEvaluator evaluator(*this, component);
+  const hbLatticePlan plan = evaluator.plan(xs, ys);
+  hbLatticeWorkspace workspace;
+  for (std::size_t k = 0; k < zs.size(); ++k) evaluator.plane(plan, zs[k], workspace, out + k * strideZ, strideY);
 }
 
 hbRange hbSparseGrid::range(const hbBox& box, int component) const {
