@@ -1,11 +1,73 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
-/// The places of one plane's samples, prepared by hbLatticeEvaluator::plan().
-struct hbLatticePlan {
-  std::vector<double> us, vs;
+#include "sparsegrid/kernels/hbLatticeKernel.h"
+
+/// What is evaluated: the value, or its slope along one of the parts' axes, in field values per unit of the cube (at
+/// kinks the slope towards +, at the upper faces towards -).
+enum class hbLatticeQuantity : std::uint8_t { value, slopeFast, slopeRow, slopePlane };
+
+/// Where the samples of a lattice's planes lie, prepared once for all of them: made by hbLatticeEvaluator::plan(), read
+/// by its plane(). `Real` is the type of the values.
+template <class Real>
+struct hbLatticePlanOf {
+  /// Cells [begin, end) of the 2^level ones of a level.
+  struct Cells {
+    std::int32_t begin = 0, end = 1;
+  };
+  /// The part of a block (see hbLatticeEvaluator) whose hats meet the lattice, and where its sum over the levels of the
+  /// plane axis goes: [rows][count].
+  struct Window {
+    std::size_t block = 0;
+    std::int64_t firstRow = 0, rows = 0;
+    std::int64_t first = 0, count = 0; ///< Nodes along the fast axis.
+    std::int64_t offset = 0;           ///< In the sums.
+  };
+  /// The samples along the fast axis as cells of one level and steps within them.
+  struct Places {
+    std::vector<std::int32_t> cell;
+    std::vector<double> step;
+  };
+  /// The coarse rows of one level of the row axis: the windows their lines are put together from, from level 0 of the
+  /// fast axis on.
+  struct CoarseLevel {
+    std::size_t firstWindow = 0, windows = 0;
+  };
+
+  hbLatticeQuantity quantity = hbLatticeQuantity::value;
+  std::size_t size = 0, rows = 0; ///< Samples of a row, rows of a plane.
+  std::vector<Window> windows;
+  std::int64_t sums = 0;               ///< Numbers in all windows.
+  std::vector<Cells> fast;             ///< Of each level: the cells that hold samples.
+  std::vector<Cells> row;              ///< The same of the row axis.
+  std::vector<CoarseLevel> coarse;     ///< By level of the row axis.
+  std::vector<Places> places;          ///< By level of the fast axis; those that coarse rows end at are filled.
+  bool adjacent = false;               ///< The samples are adjacent nodes of the finest level of `fast`,
+  std::int64_t firstNode = 0;          ///< from this one on (counted from its cells' begin).
+  std::vector<std::int32_t> cell;      ///< Of each row: its cell between coarse rows,
+  std::vector<Real> step;              ///< and the step within it.
+  hbLatticeParts parts;                ///< The fine part.
+  std::size_t slots = 0;               ///< Levels of the row axis in the fine part.
+  std::vector<std::int32_t> node;      ///< [row][slot], in the part's window.
+  std::vector<double> weight;          ///< [row][slot]
+  std::vector<std::int32_t> tableCell; ///< Of each sample: its cell of the table's level,
+  std::vector<Real> tableStep;         ///< and the step within it.
 };
+using hbLatticePlan = hbLatticePlanOf<float>;
+using hbLatticePlan64 = hbLatticePlanOf<double>;
 
 /// Memory that hbLatticeEvaluator::plane() uses again and again; one a thread.
-struct hbLatticeWorkspace {};
+template <class Real>
+struct hbLatticeWorkspaceOf {
+  std::vector<double> sums;
+  std::vector<double> line, finer;
+  std::vector<Real> coarse; ///< Of all coarse rows.
+  std::vector<Real> buffer; ///< One row.
+  std::vector<Real*> rows, finerRows;
+  std::vector<hbLatticeTerm> terms;
+};
+using hbLatticeWorkspace = hbLatticeWorkspaceOf<float>;
+using hbLatticeWorkspace64 = hbLatticeWorkspaceOf<double>;

@@ -16,6 +16,9 @@
 
 namespace {
 
+/// A lattice of so many bytes is not read again before it has left the caches.
+constexpr std::size_t kPastCaches = 4 << 20;
+
 std::vector<float> toFloats(const std::vector<double>& values) {
   std::vector<float> floats(values.begin(), values.end());
   for (const float value : floats)
@@ -297,7 +300,8 @@ void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> y
   const hbLatticeEvaluator evaluator(*this, component);
   const hbLatticePlan plan = evaluator.plan(xs, ys);
   hbLatticeWorkspace workspace;
-  for (std::size_t k = 0; k < zs.size(); ++k) evaluator.plane(plan, zs[k], workspace, out + k * strideZ, strideY);
+  const bool pastCaches = xs.size() * ys.size() * zs.size() * sizeof(float) >= kPastCaches;
+  for (std::size_t k = 0; k < zs.size(); ++k) evaluator.plane(plan, zs[k], workspace, out + k * strideZ, strideY, pastCaches);
 }
 
 hbRange hbSparseGrid::range(const hbBox& box, int component) const {

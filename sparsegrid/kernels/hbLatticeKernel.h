@@ -1,38 +1,86 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-/// How the rows of a lattice are put together at one place along z: what the kernel walks through.
-struct hbLatticeRows {
-  /// One slot of y (see hbHat) and one level of x: an array [nodes of y][count] in the plane.
+/// An array of surpluses and the weight it has in a sum.
+struct hbLatticeTerm {
+  const float* surpluses = nullptr;
+  double weight = 0.0;
+};
+
+/// How the fine part of a row is put together: for every level of the fast axis, its parts from the levels of the row
+/// axis.
+struct hbLatticeParts {
+  /// The finest level of the fast axis: its 32 cells are a table that fits two vector registers.
+  static constexpr int kTableLevel = 5;
+  static constexpr int kTableCells = 1 << kTableLevel;
+
+  /// An array [nodes of row][count] in the plane's sums.
   struct Part {
-    std::int32_t slotY = 0;
-    std::int64_t offset = 0; ///< Of the array in the plane.
+    std::size_t slot = 0;    ///< Which of a row's nodes and weights.
+    std::int64_t offset = 0; ///< Of the array.
   };
-  /// The parts of one level of x.
   struct Level {
-    std::int64_t count = 0; ///< Nodes along x.
+    std::int64_t count = 0; ///< Nodes along the fast axis.
     std::size_t begin = 0, end = 0;
   };
   std::vector<Part> parts;
-  std::vector<Level> levels; ///< From 0 to the finest level of x.
+  std::vector<Level> levels; ///< From 0 to at most kTableLevel; empty: no fine part.
+};
+
+/// What the rows of one plane are made of: row j's sample i is a step between two coarse rows, and a step within a cell
+/// of a table.
+template <class Real>
+struct hbLatticeRowsOf {
+  std::size_t size = 0;  ///< Samples of a row.
+  std::size_t count = 0; ///< Rows.
+
+  const Real* const* coarse = nullptr;      ///< The nodal coarse rows.
+  const std::int32_t* coarseCell = nullptr; ///< Of each row: the first of its two coarse rows,
+  const Real* coarseStep = nullptr;         ///< and the step towards the second one, in [0,1].
+
+  const hbLatticeParts* parts = nullptr;
+  const double* sums = nullptr;
+  std::size_t slots = 0;              ///< Nodes and weights a row.
+  const std::int32_t* node = nullptr; ///< [row][slot]
+  const double* weight = nullptr;     ///< [row][slot]
+
+  const std::int32_t* cell = nullptr; ///< Of each sample: its cell in the table,
+  const Real* step = nullptr;         ///< and the step towards the cell's end, in [0,1].
+
+  Real coarseSlope = 0;    ///< Other than 0: the slope along the row axis, this times the difference of coarse rows.
+  double tableSlope = 0.0; ///< Other than 0: the slope along the fast axis, this times the differences in the table.
 };
 
 namespace hb {
 
-/// sum[i] += weight * values[i].
-void addWeighted(const float* values, std::int64_t count, double weight, double* sum);
+/// sum[i] = the terms' weighted sum, added up in their order.
+void weightedSum(std::span<const hbLatticeTerm> terms, std::int64_t count, double* sum);
 
-/// The row at one place along y: of every level of x the parts' rows, weighted and summed, then dehierarchised. `plane`
-/// holds the parts' arrays; `node` and `weight` are those of the slots of y. Returns the row's 2^finest + 1 nodal
-/// values (of a flat axis the one value), in either half of `scratch`, which takes twice as many; `surpluses` takes as
-/// many as the finest level of x has nodes, at least 2.
-const double* latticeRow(const hbLatticeRows& rows, const double* plane, const std::int32_t* node, const double* weight,
-                         std::span<double> surpluses, std::span<double> scratch);
+/// The 2 cells + 1 nodal values of the next level: those of the coarser one, and between them surplus (none: 0) plus
+/// mean.
+void refineLine(const double* coarse, const double* surpluses, std::int64_t cells, double* fine);
 
-/// out[i] = values[i], rounded.
-void roundToFloats(const double* values, std::int64_t count, float* out);
+/// out[i] = (1 - step[i]) line[cell[i]] + step[i] line[cell[i] + 1], rounded once; with a slope other than 0, that
+/// times the difference.
+template <class Real>
+void sampleLine(const double* line, const std::int32_t* cell, const double* step, std::size_t count, double slope,
+                Real* out);
+
+/// out[i] = line[i], rounded.
+template <class Real>
+void roundLine(const double* line, std::size_t count, Real* out);
+
+/// row[i] += the mean of a[i] and b[i].
+template <class Real>
+void addMean(const Real* a, const Real* b, std::size_t count, Real* row);
+
+/// out[i + stride j] = row j's sample i. `buffer`, if there is one, takes a row, and `out` is then written past the
+/// caches.
+template <class Real>
+void latticeRows(const hbLatticeRowsOf<Real>& rows, Real* buffer, Real* out, std::size_t stride);
 
 } // namespace hb
