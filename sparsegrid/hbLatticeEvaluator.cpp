@@ -192,11 +192,11 @@ void hbLatticeEvaluator::placeAlongFast(hbLatticePlanOf<Real>& plan, const std::
     for (std::size_t i = 0; i < size; ++i) {
       const std::int32_t at = cellAt(places[i], cells);
       cell[i] = at - begin;
-      step[i] = places[i] * cells - double(at);
+      step[i] = Real(places[i] * cells - double(at));
     }
   }
   if (plan.slots == 0) return;
-  const double cells = cellsOf(int(plan.parts.levels.size()) - 1);
+  const double cells = cellsOf(hbLatticeParts::kTableLevel);
   plan.tableCell.resize(size);
   plan.tableStep.resize(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -235,7 +235,7 @@ void hbLatticeEvaluator::sumPlanes(const hbLatticePlanOf<Real>& plan, double w,
   hbHat<double> hat;
   hat.evaluate(place(w, order_.plane), flat(order_.plane), grid_.indexSet().finest()[order_.plane]);
   const double scale = grid_.latticeScale()[order_.plane];
-  workspace.sums.resize(std::max(workspace.sums.size(), std::size_t(plan.sums)));
+  workspace.sums.resize(std::max(workspace.sums.size(), std::size_t(plan.sums) + hbLatticeParts::kPastSums));
   std::vector<hbLatticeTerm>& terms = workspace.terms;
   for (const auto& window : plan.windows) {
     const Block& block = blocks_[window.block];
@@ -271,6 +271,7 @@ void hbLatticeEvaluator::coarseRows(const hbLatticePlanOf<Real>& plan, hbLattice
   for (const auto& cells : plan.fast) longest = std::max(longest, std::size_t(2 * (cells.end - cells.begin) + 1));
   workspace.line.resize(std::max(workspace.line.size(), longest));
   workspace.finer.resize(workspace.line.size());
+  workspace.rounded.resize(workspace.line.size());
   const double scale = grid_.latticeScale()[order_.fast];
 
   const auto evaluate = [&](const auto& coarse, std::int64_t row, Real* out) {
@@ -291,12 +292,12 @@ void hbLatticeEvaluator::coarseRows(const hbLatticePlanOf<Real>& plan, hbLattice
       std::swap(memory, finer);
       line = memory + (to.begin - 2 * from.begin);
     }
-    const auto& places = plan.places[coarse.windows - 1];
-    if (plan.adjacent)
-      hb::roundLine(line + plan.firstNode, plan.size, out);
-    else
-      hb::sampleLine(line, places.cell.data(), places.step.data(), plan.size,
-                     plan.quantity == Quantity::slopeFast ? scale * cellsOf(int(levels) - 1) : 0.0, out);
+    if (plan.adjacent) return hb::roundLine(line + plan.firstNode, plan.size, out);
+    const auto cells = plan.fast[levels - 1];
+    const auto& places = plan.places[levels - 1];
+    hb::roundLine(line, std::size_t(cells.end - cells.begin) + 1, workspace.rounded.data());
+    hb::sampleLine(workspace.rounded.data(), cells.end - cells.begin, places.cell.data(), places.step.data(), plan.size,
+                   plan.quantity == Quantity::slopeFast ? Real(scale * cellsOf(int(levels) - 1)) : Real(0), out);
   };
 
   std::vector<Real*>&rows = workspace.rows, &finer = workspace.finerRows;
@@ -356,7 +357,7 @@ void hbLatticeEvaluator::plane(const hbLatticePlanOf<Real>& plan, double w, hbLa
   if (quantity == Quantity::slopeRow)
     rows.coarseSlope = Real(grid_.latticeScale()[order_.row] * cellsOf(int(plan.coarse.size()) - 1));
   if (quantity == Quantity::slopeFast)
-    rows.tableSlope = grid_.latticeScale()[order_.fast] * cellsOf(std::max(int(plan.parts.levels.size()) - 1, 0));
+    rows.tableSlope = Real(grid_.latticeScale()[order_.fast] * cellsOf(hbLatticeParts::kTableLevel));
   hb::latticeRows(rows, pastCaches ? aligned(workspace.buffer, rowStride(plan.size)) : nullptr, out, strideRow);
 }
 

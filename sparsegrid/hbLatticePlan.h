@@ -29,7 +29,7 @@ struct hbLatticePlanOf {
   /// The samples along the fast axis as cells of one level and steps within them.
   struct Places {
     std::vector<std::int32_t> cell;
-    std::vector<double> step;
+    std::vector<Real> step;
   };
   /// The coarse rows of one level of the row axis: the windows their lines are put together from, from level 0 of the
   /// fast axis on.
@@ -64,8 +64,9 @@ template <class Real>
 struct hbLatticeWorkspaceOf {
   std::vector<double> sums;
   std::vector<double> line, finer;
-  std::vector<Real> coarse; ///< Of all coarse rows.
-  std::vector<Real> buffer; ///< One row.
+  std::vector<Real> rounded; ///< A line.
+  std::vector<Real> coarse;  ///< Of all coarse rows.
+  std::vector<Real> buffer;  ///< One row.
   std::vector<Real*> rows, finerRows;
   std::vector<hbLatticeTerm> terms;
 };

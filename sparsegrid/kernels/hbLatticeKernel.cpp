@@ -42,95 +42,147 @@ HWY_INLINE void refine(const double* coarse, const double* surpluses, std::int64
   fine[2 * cells] = coarse[cells];
 }
 
-/// sum += weight * values, or = where `first`.
-HWY_INLINE void accumulate(const double* values, std::int64_t count, double weight, bool first, double* sum) {
-  const Wide d;
-  const auto lanes = std::int64_t(hn::Lanes(d));
-  const auto w = hn::Set(d, weight);
-  std::int64_t i = 0;
-  if (first) {
-    for (; i + lanes <= count; i += lanes) hn::StoreU(hn::Mul(w, hn::LoadU(d, values + i)), d, sum + i);
-    for (; i < count; ++i) sum[i] = weight * values[i];
-  } else {
-    for (; i + lanes <= count; i += lanes)
-      hn::StoreU(hn::Add(hn::LoadU(d, sum + i), hn::Mul(w, hn::LoadU(d, values + i))), d, sum + i);
-    for (; i < count; ++i) sum[i] += weight * values[i];
-  }
-}
-
 // Interpolations are (1 - t) a + t b: exact at both ends, so that a node has one value whatever cell it is seen from.
 
-/// For every cell of the table the values at its ends.
-template <class Real>
+/// The values at the ends of a few cells: all beginnings, then all ends.
+template <class Real, int cells>
 struct alignas(64) Table {
-  Real begin[hbLatticeParts::kTableCells];
-  Real end[hbLatticeParts::kTableCells];
+  Real at[2 * cells];
 };
-
 template <class Real>
-HWY_INLINE void fillTable(const hbLatticeRowsOf<Real>& rows, std::size_t row, Table<Real>& table) {
-  const hbLatticeParts& parts = *rows.parts;
-  const std::int32_t* node = rows.node + row * rows.slots;
-  const double* weight = rows.weight + row * rows.slots;
-  alignas(64) double lines[2][hbLatticeParts::kTableCells + 1];
-  alignas(64) double surpluses[hbLatticeParts::kTableCells];
-  double *line = lines[0], *finer = lines[1];
-  for (std::size_t l = 0; l < parts.levels.size(); ++l) {
-    const hbLatticeParts::Level& level = parts.levels[l];
-    double* sum = l == 0 ? line : surpluses;
-    bool first = true;
-    for (std::size_t p = level.begin; p < level.end; ++p) {
-      const hbLatticeParts::Part& part = parts.parts[p];
-      if (weight[part.slot] == 0.0) continue;
-      accumulate(rows.sums + part.offset + node[part.slot] * level.count, level.count, weight[part.slot], first, sum);
-      first = false;
-    }
-    if (first) std::fill_n(sum, level.count, 0.0);
-    if (l == 0) {
-      if (level.count == 1) line[1] = line[0]; // a flat axis
-      continue;
-    }
-    refine(line, surpluses, level.count, finer);
-    std::swap(line, finer);
-  }
-  const int cells = 1 << (parts.levels.size() - 1);
-  for (int c = 0; c < cells; ++c) {
-    const double slope = rows.tableSlope * (line[c + 1] - line[c]);
-    table.begin[c] = Real(rows.tableSlope != 0.0 ? slope : line[c]);
-    table.end[c] = Real(rows.tableSlope != 0.0 ? slope : line[c + 1]);
-  }
-}
+using RowTable = Table<Real, hbLatticeParts::kTableCells>;
 
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-/// The table in registers. (Highway 1.0 has no look-up in two of them.)
-struct FloatTable {
-  __m512 lower, upper;
-  HWY_INLINE explicit FloatTable(const float* table)
-      : lower(_mm512_load_ps(table)), upper(_mm512_load_ps(table + 16)) {}
-  HWY_INLINE hn::Vec<hn::ScalableTag<float>> at(const std::int32_t* cells) const {
-    return hn::Vec<hn::ScalableTag<float>>{_mm512_permutex2var_ps(lower, _mm512_loadu_si512(cells), upper)};
+/// Longer lines are looked up in memory.
+constexpr int kLineCells = 32;
+template <class Real>
+using LineTable = Table<Real, kLineCells>;
+
+/// Looks both ends of cells up.
+template <class Real, int cells>
+struct LookUp {
+  using D = hn::ScalableTag<Real>;
+  const Real* table;
+  HWY_INLINE explicit LookUp(const Table<Real, cells>& from) : table(from.at) {}
+  HWY_INLINE hn::Vec<D> begin(const std::int32_t* cell) const { return at(table, cell); }
+  HWY_INLINE hn::Vec<D> end(const std::int32_t* cell) const { return at(table + cells, cell); }
+
+  static HWY_INLINE hn::Vec<D> at(const Real* values, const std::int32_t* cell) {
+    const D d;
+    const auto index = hn::LoadU(hn::Rebind<std::int32_t, D>(), cell);
+    if constexpr (sizeof(Real) == 4)
+      return hn::GatherIndex(d, values, index);
+    else
+      return hn::GatherIndex(d, values, hn::PromoteTo(hn::RebindToSigned<D>(), index));
   }
 };
-#else
-struct FloatTable {
-  const float* table;
-  HWY_INLINE explicit FloatTable(const float* from) : table(from) {}
-  HWY_INLINE hn::Vec<hn::ScalableTag<float>> at(const std::int32_t* cells) const {
-    const hn::ScalableTag<float> d;
-    return hn::GatherIndex(d, table, hn::LoadU(hn::RebindToSigned<decltype(d)>(), cells));
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+// (Highway 1.0 has no look-up in two registers.)
+template <>
+struct LookUp<float, hbLatticeParts::kTableCells> {
+  using V = hn::Vec<hn::ScalableTag<float>>;
+  __m512 begins, ends;
+  HWY_INLINE explicit LookUp(const RowTable<float>& from)
+      : begins(_mm512_load_ps(from.at)), ends(_mm512_load_ps(from.at + 16)) {}
+  HWY_INLINE V begin(const std::int32_t* cell) const {
+    return V{_mm512_permutexvar_ps(_mm512_loadu_si512(cell), begins)};
+  }
+  HWY_INLINE V end(const std::int32_t* cell) const { return V{_mm512_permutexvar_ps(_mm512_loadu_si512(cell), ends)}; }
+};
+template <>
+struct LookUp<float, kLineCells> {
+  using V = hn::Vec<hn::ScalableTag<float>>;
+  __m512 begins[2], ends[2];
+  HWY_INLINE explicit LookUp(const LineTable<float>& from)
+      : begins{_mm512_load_ps(from.at), _mm512_load_ps(from.at + 16)}, ends{_mm512_load_ps(from.at + 32),
+                                                                            _mm512_load_ps(from.at + 48)} {}
+  HWY_INLINE V begin(const std::int32_t* cell) const {
+    return V{_mm512_permutex2var_ps(begins[0], _mm512_loadu_si512(cell), begins[1])};
+  }
+  HWY_INLINE V end(const std::int32_t* cell) const {
+    return V{_mm512_permutex2var_ps(ends[0], _mm512_loadu_si512(cell), ends[1])};
+  }
+};
+#elif HWY_TARGET == HWY_AVX2
+template <>
+struct LookUp<float, hbLatticeParts::kTableCells> {
+  using V = hn::Vec<hn::ScalableTag<float>>;
+  __m256 begins[2], ends[2];
+  HWY_INLINE explicit LookUp(const RowTable<float>& from)
+      : begins{_mm256_load_ps(from.at), _mm256_load_ps(from.at + 8)}, ends{_mm256_load_ps(from.at + 16),
+                                                                           _mm256_load_ps(from.at + 24)} {}
+  HWY_INLINE V begin(const std::int32_t* cell) const { return at(begins, cell); }
+  HWY_INLINE V end(const std::int32_t* cell) const { return at(ends, cell); }
+  static HWY_INLINE V at(const __m256* halves, const std::int32_t* cell) {
+    const __m256i index = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(cell));
+    const __m256 upper = _mm256_castsi256_ps(_mm256_slli_epi32(index, 28)); // bit 3 becomes the sign
+    return V{_mm256_blendv_ps(_mm256_permutevar8x32_ps(halves[0], index), _mm256_permutevar8x32_ps(halves[1], index),
+                              upper)};
   }
 };
 #endif
-struct DoubleTable {
-  const double* table;
-  HWY_INLINE explicit DoubleTable(const double* from) : table(from) {}
-  HWY_INLINE hn::Vec<Wide> at(const std::int32_t* cells) const {
-    return hn::GatherIndex(
-        Wide(), table, hn::PromoteTo(hn::RebindToSigned<Wide>(), hn::LoadU(hn::Rebind<std::int32_t, Wide>(), cells)));
+
+/// What the hierarchical values of a line (the two ends, then level by level) give at both ends of the table's cells.
+template <class Real>
+struct alignas(64) TableWeights {
+  static constexpr int kNodes = hbLatticeParts::kTableCells + 1, kEntries = 2 * hbLatticeParts::kTableCells;
+  Real at[kNodes][kEntries];
+
+  constexpr TableWeights() : at{} {
+    for (int entry = 0; entry < kEntries; ++entry) {
+      const int node = entry < kEntries / 2 ? entry : entry - kEntries / 2 + 1;
+      at[0][entry] = Real(kEntries / 2 - node) / Real(kEntries / 2);
+      at[1][entry] = Real(node) / Real(kEntries / 2);
+      for (int level = 1, value = 2; level <= hbLatticeParts::kTableLevel; ++level)
+        for (int k = 0; k < 1 << (level - 1); ++k, ++value) {
+          const int width = kEntries / 2 >> level, distance = node - (2 * k + 1) * width;
+          const int inside = width - (distance < 0 ? -distance : distance);
+          at[value][entry] = inside > 0 ? Real(inside) / Real(width) : Real(0);
+        }
+    }
   }
 };
-HWY_INLINE FloatTable lookUp(const float* table) { return FloatTable(table); }
-HWY_INLINE DoubleTable lookUp(const double* table) { return DoubleTable(table); }
+template <class Real>
+constexpr TableWeights<Real> kTableWeights;
+
+template <class Real>
+HWY_INLINE void fillTable(const hbLatticeRowsOf<Real>& rows, std::size_t row, RowTable<Real>& table) {
+  constexpr std::size_t kPast = 8; // a vector of doubles at the most
+  static_assert(kPast <= hbLatticeParts::kPastSums && hn::MaxLanes(Wide()) <= kPast);
+  const Wide wide;
+  const auto lanes = std::int64_t(hn::Lanes(wide));
+  const hbLatticeParts& parts = *rows.parts;
+  const std::int32_t* node = rows.node + row * rows.slots;
+  const double* weight = rows.weight + row * rows.slots;
+  Real values[hbLatticeParts::kTableCells + 1 + kPast];
+  std::int64_t count = 0;
+  for (const hbLatticeParts::Level& level : parts.levels) {
+    // Whole vectors: what lies past a short array is read, and its sum overwritten by the next level's.
+    for (std::int64_t i = 0; i < level.count; i += lanes) {
+      auto total = hn::Zero(wide);
+      for (std::size_t p = level.begin; p < level.end; ++p) {
+        const hbLatticeParts::Part& part = parts.parts[p];
+        const double* from = rows.sums + part.offset + node[part.slot] * level.count + i;
+        total = hn::Add(total, hn::Mul(hn::Set(wide, weight[part.slot]), hn::LoadU(wide, from)));
+      }
+      storeWide(total, values + count + i);
+    }
+    count += level.count;
+  }
+  if (count == 1) values[count++] = values[0]; // a flat axis
+
+  const hn::CappedTag<Real, 2 * hbLatticeParts::kTableCells> d;
+  for (std::size_t i = 0; i < 2 * hbLatticeParts::kTableCells; i += hn::Lanes(d)) {
+    auto total = hn::Mul(hn::Set(d, values[0]), hn::Load(d, kTableWeights<Real>.at[0] + i));
+    for (std::int64_t v = 1; v < count; ++v)
+      total = hn::Add(total, hn::Mul(hn::Set(d, values[v]), hn::Load(d, kTableWeights<Real>.at[v] + i)));
+    hn::Store(total, d, table.at + i);
+  }
+  if (rows.tableSlope == Real(0)) return;
+  for (int c = 0; c < hbLatticeParts::kTableCells; ++c) {
+    Real &begin = table.at[c], &end = table.at[c + hbLatticeParts::kTableCells];
+    begin = end = rows.tableSlope * (end - begin);
+  }
+}
 
 /// The step between two coarse rows: their weighted sum.
 template <class Real>
@@ -154,23 +206,28 @@ HWY_INLINE void coarseRow(const CoarseRow<Real>& coarse, std::size_t size, Real*
   for (; i < size; ++i) out[i] = coarse.one(i);
 }
 
+/// The step within a cell.
+template <class Look, class Real>
+HWY_INLINE hn::Vec<hn::ScalableTag<Real>> withinCell(const Look& look, const std::int32_t* cell, const Real* step) {
+  const hn::ScalableTag<Real> d;
+  const auto t = hn::LoadU(d, step);
+  return hn::Add(hn::Mul(hn::Sub(hn::Set(d, Real(1)), t), look.begin(cell)), hn::Mul(t, look.end(cell)));
+}
+
 template <class Real>
-HWY_INLINE void wholeRow(const CoarseRow<Real>& coarse, const Table<Real>& table, const hbLatticeRowsOf<Real>& rows,
+HWY_INLINE void wholeRow(const CoarseRow<Real>& coarse, const RowTable<Real>& table, const hbLatticeRowsOf<Real>& rows,
                          Real* out) {
   const hn::ScalableTag<Real> d;
-  const std::size_t lanes = hn::Lanes(d);
-  const auto begin = lookUp(table.begin), end = lookUp(table.end);
-  const auto one = hn::Set(d, Real(1));
+  const std::size_t lanes = hn::Lanes(d), size = rows.size;
+  const LookUp<Real, hbLatticeParts::kTableCells> look(table);
+  const std::int32_t* cell = rows.cell;
+  const Real* step = rows.step;
   std::size_t i = 0;
-  for (; i + lanes <= rows.size; i += lanes) {
-    const auto step = hn::LoadU(d, rows.step + i);
-    const auto fine =
-        hn::Add(hn::Mul(hn::Sub(one, step), begin.at(rows.cell + i)), hn::Mul(step, end.at(rows.cell + i)));
-    hn::StoreU(hn::Add(coarse.at(i), fine), d, out + i);
-  }
-  for (; i < rows.size; ++i) {
-    const std::int32_t cell = rows.cell[i];
-    out[i] = coarse.one(i) + ((Real(1) - rows.step[i]) * table.begin[cell] + rows.step[i] * table.end[cell]);
+  for (; i + lanes <= size; i += lanes)
+    hn::StoreU(hn::Add(coarse.at(i), withinCell(look, cell + i, step + i)), d, out + i);
+  for (; i < size; ++i) {
+    const Real* const at = table.at + cell[i];
+    out[i] = coarse.one(i) + ((Real(1) - step[i]) * at[0] + step[i] * at[hbLatticeParts::kTableCells]);
   }
 }
 
@@ -188,7 +245,7 @@ HWY_INLINE void streamRow(const Real* row, std::size_t size, Real* out) {
 
 template <class Real>
 HWY_INLINE void allRows(const hbLatticeRowsOf<Real>& rows, Real* buffer, Real* out, std::size_t stride) {
-  Table<Real> table;
+  RowTable<Real> table;
   for (std::size_t j = 0; j < rows.count; ++j) {
     const std::int32_t cell = rows.coarseCell[j];
     const bool slope = rows.coarseSlope != Real(0);
@@ -207,23 +264,50 @@ HWY_INLINE void allRows(const hbLatticeRowsOf<Real>& rows, Real* buffer, Real* o
   if (buffer) hwy::FlushStream();
 }
 
-template <class Real>
-HWY_INLINE void sample(const double* line, const std::int32_t* cell, const double* step, std::size_t count,
-                       double slope, Real* out) {
-  const Wide d;
+template <class Look, class Real>
+HWY_INLINE void sampleCells(const Look& look, const Real* line, const std::int32_t* cell, const Real* step,
+                            std::size_t count, Real slope, Real* out) {
+  const hn::ScalableTag<Real> d;
   const std::size_t lanes = hn::Lanes(d);
   std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    const auto a = DoubleTable(line).at(cell + i), b = DoubleTable(line + 1).at(cell + i);
-    const auto t = hn::LoadU(d, step + i);
-    storeWide(slope != 0.0 ? hn::Mul(hn::Set(d, slope), hn::Sub(b, a))
-                           : hn::Add(hn::Mul(hn::Sub(hn::Set(d, 1.0), t), a), hn::Mul(t, b)),
-              out + i);
-  }
+  for (; i + lanes <= count; i += lanes)
+    hn::StoreU(slope != Real(0) ? hn::Mul(hn::Set(d, slope), hn::Sub(look.end(cell + i), look.begin(cell + i)))
+                                : withinCell(look, cell + i, step + i),
+               d, out + i);
   for (; i < count; ++i) {
-    const double a = line[cell[i]], b = line[cell[i] + 1];
-    out[i] = Real(slope != 0.0 ? slope * (b - a) : (1.0 - step[i]) * a + step[i] * b);
+    const Real a = line[cell[i]], b = line[cell[i] + 1];
+    out[i] = slope != Real(0) ? slope * (b - a) : (Real(1) - step[i]) * a + step[i] * b;
   }
+}
+
+/// A line as it lies in memory.
+template <class Real>
+struct InMemory {
+  const Real* line;
+  HWY_INLINE explicit InMemory(const Real* from) : line(from) {}
+  HWY_INLINE hn::Vec<hn::ScalableTag<Real>> begin(const std::int32_t* cell) const {
+    return LookUp<Real, 0>::at(line, cell);
+  }
+  HWY_INLINE hn::Vec<hn::ScalableTag<Real>> end(const std::int32_t* cell) const {
+    return LookUp<Real, 0>::at(line + 1, cell);
+  }
+};
+
+template <class Real>
+HWY_INLINE void sample(const Real* line, std::int64_t cells, const std::int32_t* cell, const Real* step,
+                       std::size_t count, Real slope, Real* out) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  if (sizeof(Real) == 4 && cells <= kLineCells) {
+    LineTable<Real> table;
+    for (std::int64_t c = 0; c < cells; ++c) {
+      table.at[c] = line[c];
+      table.at[kLineCells + c] = line[c + 1];
+    }
+    return sampleCells(LookUp<Real, kLineCells>(table), line, cell, step, count, slope, out);
+  }
+#endif
+  (void)cells;
+  sampleCells(InMemory<Real>(line), line, cell, step, count, slope, out);
 }
 
 template <class Real>
@@ -272,13 +356,13 @@ HWY_ATTR void sumOfTerms(const hbLatticeTerm* terms, std::size_t termCount, std:
 HWY_ATTR void refineOne(const double* coarse, const double* surpluses, std::int64_t cells, double* fine) {
   refine(coarse, surpluses, cells, fine);
 }
-HWY_ATTR void sample32(const double* line, const std::int32_t* cell, const double* step, std::size_t count,
-                       double slope, float* out) {
-  sample(line, cell, step, count, slope, out);
+HWY_ATTR void sample32(const float* line, std::int64_t cells, const std::int32_t* cell, const float* step,
+                       std::size_t count, float slope, float* out) {
+  sample(line, cells, cell, step, count, slope, out);
 }
-HWY_ATTR void sample64(const double* line, const std::int32_t* cell, const double* step, std::size_t count,
-                       double slope, double* out) {
-  sample(line, cell, step, count, slope, out);
+HWY_ATTR void sample64(const double* line, std::int64_t cells, const std::int32_t* cell, const double* step,
+                       std::size_t count, double slope, double* out) {
+  sample(line, cells, cell, step, count, slope, out);
 }
 HWY_ATTR void round32(const double* line, std::size_t count, float* out) { round(line, count, out); }
 HWY_ATTR void round64(const double* line, std::size_t count, double* out) { round(line, count, out); }
@@ -316,14 +400,14 @@ void refineLine(const double* coarse, const double* surpluses, std::int64_t cell
   HWY_DYNAMIC_DISPATCH(refineOne)(coarse, surpluses, cells, fine);
 }
 template <>
-void sampleLine(const double* line, const std::int32_t* cell, const double* step, std::size_t count, double slope,
-                float* out) {
-  HWY_DYNAMIC_DISPATCH(sample32)(line, cell, step, count, slope, out);
+void sampleLine(const float* line, std::int64_t cells, const std::int32_t* cell, const float* step, std::size_t count,
+                float slope, float* out) {
+  HWY_DYNAMIC_DISPATCH(sample32)(line, cells, cell, step, count, slope, out);
 }
 template <>
-void sampleLine(const double* line, const std::int32_t* cell, const double* step, std::size_t count, double slope,
-                double* out) {
-  HWY_DYNAMIC_DISPATCH(sample64)(line, cell, step, count, slope, out);
+void sampleLine(const double* line, std::int64_t cells, const std::int32_t* cell, const double* step, std::size_t count,
+                double slope, double* out) {
+  HWY_DYNAMIC_DISPATCH(sample64)(line, cells, cell, step, count, slope, out);
 }
 template <>
 void roundLine(const double* line, std::size_t count, float* out) {

@@ -12,11 +12,13 @@ struct hbLatticeTerm {
 };
 
 /// How the fine part of a row is put together: for every level of the fast axis, its parts from the levels of the row
-/// axis.
+/// axis. Beside those the fast axis is at most so fine that the sum's values at both ends of all its cells fit one or
+/// two vector registers: the *table*.
 struct hbLatticeParts {
-  /// The finest level of the fast axis: its 32 cells are a table that fits two vector registers.
-  static constexpr int kTableLevel = 5;
+  static constexpr int kTableLevel = 4;
   static constexpr int kTableCells = 1 << kTableLevel;
+  /// So many numbers past the end of the sums are read (and not used).
+  static constexpr std::size_t kPastSums = 8;
 
   /// An array [nodes of row][count] in the plane's sums.
   struct Part {
@@ -51,8 +53,8 @@ struct hbLatticeRowsOf {
   const std::int32_t* cell = nullptr; ///< Of each sample: its cell in the table,
   const Real* step = nullptr;         ///< and the step towards the cell's end, in [0,1].
 
-  Real coarseSlope = 0;    ///< Other than 0: the slope along the row axis, this times the difference of coarse rows.
-  double tableSlope = 0.0; ///< Other than 0: the slope along the fast axis, this times the differences in the table.
+  Real coarseSlope = 0; ///< Other than 0: the slope along the row axis, this times the difference of coarse rows.
+  Real tableSlope = 0;  ///< Other than 0: the slope along the fast axis, this times the differences in the table.
 };
 
 namespace hb {
@@ -64,11 +66,11 @@ void weightedSum(std::span<const hbLatticeTerm> terms, std::int64_t count, doubl
 /// mean.
 void refineLine(const double* coarse, const double* surpluses, std::int64_t cells, double* fine);
 
-/// out[i] = (1 - step[i]) line[cell[i]] + step[i] line[cell[i] + 1], rounded once; with a slope other than 0, that
-/// times the difference.
+/// out[i] = (1 - step[i]) line[cell[i]] + step[i] line[cell[i] + 1]; with a slope other than 0, that times the
+/// difference. `cells` is how many the line has.
 template <class Real>
-void sampleLine(const double* line, const std::int32_t* cell, const double* step, std::size_t count, double slope,
-                Real* out);
+void sampleLine(const Real* line, std::int64_t cells, const std::int32_t* cell, const Real* step, std::size_t count,
+                Real slope, Real* out);
 
 /// out[i] = line[i], rounded.
 template <class Real>

@@ -59,13 +59,6 @@ double exact(const hbSparseGrid& grid, const hbAxisOrder& order, Quantity quanti
   return quantity == Quantity::value ? value : gradient[axes[int(quantity)]];
 }
 
-/// Roundings of a value; doc/sparse-grids.md. A coarse row is rounded once, every level of the row axis adds a mean and
-/// a sum, the step between two rows rounds its own place, a difference (twice as large), a product and a sum, the table
-/// its value, difference, place, product and sum; then the two are added.
-double roundings(const hbSparseGrid& grid, const hbAxisOrder& order) {
-  return 1 + 2 * grid.indexSet().finest()[order.row] + 6 + 7 + 1;
-}
-
 } // namespace
 
 RC_GTEST_PROP(hbLatticeEvaluator, GivesTheValuesAtTheirPoints, ()) {
@@ -76,7 +69,7 @@ RC_GTEST_PROP(hbLatticeEvaluator, GivesTheValuesAtTheirPoints, ()) {
   const hbLatticePlan plan = evaluator.plan(us, vs);
   hbLatticeWorkspace workspace;
   const std::size_t stride = us.size() + 2; // with gaps, which stay untouched
-  const double tolerance = roundings(grid, order) * 0x1p-24 * hbTestSets::amplitude(grid);
+  const double tolerance = hbTestSets::latticeBound(grid, order.row);
   for (const double w : ws)
     for (const bool pastCaches : {false, true}) {
       std::vector<float> out(stride * vs.size(), -99.0F);
@@ -125,7 +118,7 @@ RC_GTEST_PROP(hbLatticeEvaluator, GivesSlopesIn32Bits, ()) {
     evaluator.plane(evaluator.plan(us, vs, quantity), w, workspace, out.data(), us.size());
     const double steepest =
         std::exp2(std::max({grid.indexSet().finest().x, grid.indexSet().finest().y, grid.indexSet().finest().z}));
-    const double tolerance = roundings(grid, order) * 0x1p-24 * steepest * hbTestSets::amplitude(grid);
+    const double tolerance = steepest * hbTestSets::latticeBound(grid, order.row);
     for (std::size_t j = 0; j < vs.size(); ++j)
       for (std::size_t i = 0; i < us.size(); ++i)
         RC_ASSERT(std::abs(out[i + us.size() * j] - exact(grid, order, quantity, us[i], vs[j], w)) <= tolerance);

@@ -98,6 +98,17 @@ inline double semiNodalBound(const hbSparseGrid& grid, int component = 0) {
   return (8.0 + most + double(terms.size())) * 0x1p-24 * amplitude(grid, component) + coordinateBound(grid, component);
 }
 
+/// Rounding of lattices in 32 bits, see hbLatticeEvaluator; `row` is the axis along which rows follow each other. An
+/// interpolation (1 - t) a + t b rounds t (which moves the result by twice a rounding, as b - a is up to twice the
+/// amplitude), 1 - t, the two products (together one) and their sum: 5. A coarse row: its line and an interpolation
+/// between the line's nodes. Each level of the row axis adds a mean and a sum, then there is an interpolation between
+/// two coarse rows. The table: its hierarchical values, the products with their weights and 16 additions, then an
+/// interpolation. Each part is that of its own share of the amplitude; in the end they are added.
+inline double latticeBound(const hbSparseGrid& grid, int row = 1, int component = 0) {
+  const double coarse = 1.0 + 5.0 + 2.0 * grid.indexSet().finest()[row] + 5.0, fine = 1.0 + 1.0 + 16.0 + 5.0;
+  return (std::max(coarse, fine) + 1.0) * 0x1p-24 * amplitude(grid, component);
+}
+
 /// Rounding of the combination in 32 bits: the nodal value; in each of three lerps a + t (b - a) a difference and a
 /// product of up to twice the `largest` nodal value and a sum of up to once that, so 5; the product with the
 /// coefficient, and the result. The coordinates' rounding comes on top (coordinateBound).
