@@ -121,6 +121,11 @@ hbLatticePlanOf<Real> hbLatticeEvaluator::planOf(std::span<const double> us, std
   const int finestRow = finest(order_.row, row, Quantity::slopeRow);
   plan.fast = cellsWith<typename Plan::Cells>(fast, finestFast);
   plan.row = cellsWith<typename Plan::Cells>(row, finestRow);
+  const double nodes = cellsOf(finestFast);
+  plan.adjacent = quantity != Quantity::slopeFast && !fast.empty();
+  for (std::size_t i = 0; i < fast.size() && plan.adjacent; ++i)
+    plan.adjacent = fast[i] * nodes == std::nearbyint(fast[0] * nodes) + double(i);
+  if (plan.adjacent) plan.firstNode = std::int64_t(fast[0] * nodes) - plan.fast.back().begin;
   const int coarseLevels = std::min(split_, finestRow + 1);
   for (int level = 0; level < coarseLevels; ++level) addCoarse(plan, level);
   if (coarseLevels <= finestRow) addFine(plan, coarseLevels);
@@ -144,13 +149,23 @@ void hbLatticeEvaluator::addCoarse(hbLatticePlanOf<Real>& plan, int level) const
   const std::int64_t rows =
       level == 0 ? hbIndexSet::axisNodes(flat(order_.row), 0) : (cells.end - 1) / 2 - firstRow + 1;
   const std::vector<std::size_t>& blocks = blockAt_[std::size_t(level)];
-  const std::size_t count = std::min(blocks.size(), plan.fast.size());
-  plan.coarse.push_back({plan.windows.size(), count});
-  addWindow(plan, blocks[0], firstRow, rows, 0, blocks_[blocks[0]].nodesFast);
-  for (std::size_t f = 1; f < count; ++f) {
+  typename hbLatticePlanOf<Real>::CoarseLevel coarse{firstRow, rows, {}, 0};
+  // Adjacent nodes are those of the finest level, up to which the line goes on without surpluses.
+  coarse.level = plan.adjacent ? plan.fast.size() - 1 : std::min(blocks.size(), plan.fast.size()) - 1;
+  const std::int64_t ends = blocks_[blocks[0]].nodesFast;
+  coarse.line.push_back({plan.sums, ends, 0, 0});
+  addWindow(plan, blocks[0], firstRow, rows, 0, ends);
+  for (std::size_t f = 1; f <= coarse.level; ++f) {
     const auto parents = plan.fast[f - 1]; // a surplus lies in the middle of a cell of the next coarser level
-    addWindow(plan, blocks[f], firstRow, rows, parents.begin, parents.end - parents.begin);
+    const std::int64_t count = parents.end - parents.begin, shift = plan.fast[f].begin - 2 * parents.begin;
+    if (f >= blocks.size()) {
+      coarse.line.push_back({hbLatticeLineLevel::kNone, 0, count, shift});
+      continue;
+    }
+    coarse.line.push_back({plan.sums, count, count, shift});
+    addWindow(plan, blocks[f], firstRow, rows, parents.begin, count);
   }
+  plan.coarse.push_back(std::move(coarse));
 }
 
 template <class Real>
@@ -174,15 +189,9 @@ void hbLatticeEvaluator::addFine(hbLatticePlanOf<Real>& plan, int begin) const {
 template <class Real>
 void hbLatticeEvaluator::placeAlongFast(hbLatticePlanOf<Real>& plan, const std::vector<double>& places) const {
   const std::size_t size = places.size();
-  const double finest = cellsOf(int(plan.fast.size()) - 1);
-  plan.adjacent = plan.quantity != Quantity::slopeFast && size > 0;
-  for (std::size_t i = 0; i < size && plan.adjacent; ++i)
-    plan.adjacent = places[i] * finest == std::nearbyint(places[0] * finest) + double(i);
-  if (plan.adjacent) plan.firstNode = std::int64_t(places[0] * finest) - plan.fast.back().begin;
-
   plan.places.resize(plan.fast.size());
   for (const auto& coarse : plan.coarse) {
-    const std::size_t level = coarse.windows - 1;
+    const std::size_t level = coarse.level;
     auto& [cell, step] = plan.places[level];
     if (plan.adjacent || !cell.empty()) continue;
     const double cells = cellsOf(int(level));
@@ -213,17 +222,18 @@ void hbLatticeEvaluator::placeAlongRow(hbLatticePlanOf<Real>& plan, const std::v
   plan.step.resize(size);
   plan.node.resize(size * plan.slots);
   plan.weight.resize(size * plan.slots);
-  hbHat<double> hat;
   for (std::size_t j = 0; j < size; ++j) {
     const std::int32_t cell = cellAt(places[j], coarse);
     plan.cell[j] = cell - plan.row[begin - 1].begin;
     plan.step[j] = Real(places[j] * coarse - double(cell));
-    if (plan.slots == 0) continue;
-    hat.evaluate(places[j], false, int(plan.row.size()) - 1);
-    for (std::size_t slot = 0; slot < plan.slots; ++slot) {
-      const std::size_t at = j * plan.slots + slot, level = begin + slot;
-      plan.node[at] = hat.node[level + 1] - plan.row[level - 1].begin;
-      plan.weight[at] = plan.quantity == Quantity::slopeRow ? scale * hat.slope[level + 1] : hat.weight[level + 1];
+    double parents = coarse; // a level's nodes lie in the middle of the cells of the next coarser one
+    for (std::size_t slot = 0; slot < plan.slots; ++slot, parents *= 2.0) {
+      const std::size_t at = j * plan.slots + slot;
+      const std::int32_t node = cellAt(places[j], parents);
+      const double t = places[j] * 2.0 * parents - double(2 * node + 1); // as hbHat has it
+      plan.node[at] = node - plan.row[begin + slot - 1].begin;
+      plan.weight[at] =
+          plan.quantity == Quantity::slopeRow ? (t >= 0.0 ? -2.0 : 2.0) * parents * scale : 1.0 - std::abs(t);
     }
   }
 }
@@ -265,51 +275,38 @@ template <class Real>
 void hbLatticeEvaluator::coarseRows(const hbLatticePlanOf<Real>& plan, hbLatticeWorkspaceOf<Real>& workspace) const {
   const std::size_t stride = rowStride(plan.size);
   std::int64_t count = 0;
-  for (const auto& coarse : plan.coarse) count += plan.windows[coarse.firstWindow].rows;
+  for (const auto& coarse : plan.coarse) count += coarse.rows;
   Real* next = aligned(workspace.coarse, std::size_t(count) * stride);
-  std::size_t longest = 4;
+  std::size_t longest = 2;
   for (const auto& cells : plan.fast) longest = std::max(longest, std::size_t(2 * (cells.end - cells.begin) + 1));
-  workspace.line.resize(std::max(workspace.line.size(), longest));
-  workspace.finer.resize(workspace.line.size());
+  for (auto* line : {&workspace.line, &workspace.finer}) line->resize(std::max(line->size(), longest));
   workspace.rounded.resize(workspace.line.size());
-  const double scale = grid_.latticeScale()[order_.fast];
 
-  const auto evaluate = [&](const auto& coarse, std::int64_t row, Real* out) {
-    double *memory = workspace.line.data(), *finer = workspace.finer.data();
-    const double* line = memory;
-    const auto surplusesOf = [&](std::size_t level) {
-      const auto& window = plan.windows[coarse.firstWindow + level];
-      return workspace.sums.data() + window.offset + row * window.count;
-    };
-    const double* ends = surplusesOf(0);
-    memory[0] = ends[0];
-    memory[1] = flat(order_.fast) ? ends[0] : ends[1];
-    // Adjacent nodes are those of the finest level, where the line may go on without surpluses.
-    const std::size_t levels = plan.adjacent ? plan.fast.size() : coarse.windows;
-    for (std::size_t level = 1; level < levels; ++level) {
-      const auto &from = plan.fast[level - 1], &to = plan.fast[level];
-      hb::refineLine(line, level < coarse.windows ? surplusesOf(level) : nullptr, from.end - from.begin, finer);
-      std::swap(memory, finer);
-      line = memory + (to.begin - 2 * from.begin);
-    }
-    if (plan.adjacent) return hb::roundLine(line + plan.firstNode, plan.size, out);
-    const auto cells = plan.fast[levels - 1];
-    const auto& places = plan.places[levels - 1];
-    hb::roundLine(line, std::size_t(cells.end - cells.begin) + 1, workspace.rounded.data());
-    hb::sampleLine(workspace.rounded.data(), cells.end - cells.begin, places.cell.data(), places.step.data(), plan.size,
-                   plan.quantity == Quantity::slopeFast ? Real(scale * cellsOf(int(levels) - 1)) : Real(0), out);
-  };
-
+  hbLatticeLinesOf<Real> lines;
+  lines.sums = workspace.sums.data();
+  lines.line = workspace.line.data();
+  lines.finer = workspace.finer.data();
+  lines.rounded = workspace.rounded.data();
+  lines.size = plan.size;
+  lines.firstNode = plan.firstNode;
   std::vector<Real*>&rows = workspace.rows, &finer = workspace.finerRows;
   rows.clear();
   for (std::size_t l = 0; l < plan.coarse.size(); ++l) {
-    const auto& window = plan.windows[plan.coarse[l].firstWindow];
+    const auto& coarse = plan.coarse[l];
+    const auto cells = plan.fast[coarse.level];
+    lines.levels = coarse.line;
+    lines.cells = cells.end - cells.begin;
+    if (!plan.adjacent) {
+      lines.cell = plan.places[coarse.level].cell.data();
+      lines.step = plan.places[coarse.level].step.data();
+      if (plan.quantity == Quantity::slopeFast)
+        lines.slope = Real(grid_.latticeScale()[order_.fast] * cellsOf(int(coarse.level)));
+    }
     Real* first = next;
-    next += std::size_t(window.rows) * stride;
-    for (std::int64_t row = 0; row < window.rows; ++row)
-      evaluate(plan.coarse[l], row, first + std::size_t(row) * stride);
+    next += std::size_t(coarse.rows) * stride;
+    hb::coarseRows(lines, coarse.rows, first, stride);
     if (l == 0) {
-      rows = {first, window.rows == 1 ? first : first + stride};
+      rows = {first, coarse.rows == 1 ? first : first + stride};
       continue;
     }
     const auto &from = plan.row[l - 1], &to = plan.row[l];
@@ -320,7 +317,7 @@ void hbLatticeEvaluator::coarseRows(const hbLatticePlanOf<Real>& plan, hbLattice
         finer.push_back(before);
         continue;
       }
-      Real* row = first + std::size_t(node / 2 - window.firstRow) * stride;
+      Real* row = first + std::size_t(node / 2 - coarse.firstRow) * stride;
       hb::addMean(before, rows[std::size_t(node / 2 - from.begin + 1)], plan.size, row);
       finer.push_back(row);
     }

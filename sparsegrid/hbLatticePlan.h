@@ -31,10 +31,11 @@ struct hbLatticePlanOf {
     std::vector<std::int32_t> cell;
     std::vector<Real> step;
   };
-  /// The coarse rows of one level of the row axis: the windows their lines are put together from, from level 0 of the
-  /// fast axis on.
+  /// The coarse rows of one level of the row axis.
   struct CoarseLevel {
-    std::size_t firstWindow = 0, windows = 0;
+    std::int64_t firstRow = 0, rows = 0;
+    std::vector<hbLatticeLineLevel> line;
+    std::size_t level = 0; ///< Of the fast axis, at which the line ends.
   };
 
   hbLatticeQuantity quantity = hbLatticeQuantity::value;

@@ -24,6 +24,22 @@ HWY_INLINE hn::Vec<Wide> loadWide(const double* from) { return hn::LoadU(Wide(),
 HWY_INLINE void storeWide(hn::Vec<Wide> v, float* to) { hn::StoreU(hn::DemoteTo(Narrow(), v), Narrow(), to); }
 HWY_INLINE void storeWide(hn::Vec<Wide> v, double* to) { hn::StoreU(v, Wide(), to); }
 
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+/// (Two instructions, where Highway 1.0 takes eight.)
+HWY_INLINE void storeInTurns(hn::Vec<Wide> even, hn::Vec<Wide> odd, double* to) {
+  const __m512i lower = _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11),
+                upper = _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15);
+  _mm512_storeu_pd(to, _mm512_permutex2var_pd(even.raw, lower, odd.raw));
+  _mm512_storeu_pd(to + 8, _mm512_permutex2var_pd(even.raw, upper, odd.raw));
+}
+#else
+HWY_INLINE void storeInTurns(hn::Vec<Wide> even, hn::Vec<Wide> odd, double* to) {
+  hn::StoreInterleaved2(even, odd, Wide(), to);
+}
+#endif
+
+/// The 2 cells + 1 nodal values of the next level: those of the coarser one, and between them surplus (none: 0) plus
+/// mean.
 HWY_INLINE void refine(const double* coarse, const double* surpluses, std::int64_t cells, double* fine) {
   const Wide d;
   const auto lanes = std::int64_t(hn::Lanes(d));
@@ -32,7 +48,7 @@ HWY_INLINE void refine(const double* coarse, const double* surpluses, std::int64
   for (; k + lanes <= cells; k += lanes) {
     const auto left = hn::LoadU(d, coarse + k);
     const auto mean = hn::Mul(half, hn::Add(left, hn::LoadU(d, coarse + k + 1)));
-    hn::StoreInterleaved2(left, surpluses ? hn::Add(hn::LoadU(d, surpluses + k), mean) : mean, d, fine + 2 * k);
+    storeInTurns(left, surpluses ? hn::Add(hn::LoadU(d, surpluses + k), mean) : mean, fine + 2 * k);
   }
   for (; k < cells; ++k) {
     const double mean = 0.5 * (coarse[k] + coarse[k + 1]);
@@ -57,23 +73,24 @@ constexpr int kLineCells = 32;
 template <class Real>
 using LineTable = Table<Real, kLineCells>;
 
+template <class Real>
+HWY_INLINE hn::Vec<hn::ScalableTag<Real>> gather(const Real* values, const std::int32_t* index) {
+  const hn::ScalableTag<Real> d;
+  const auto narrow = hn::LoadU(hn::Rebind<std::int32_t, decltype(d)>(), index);
+  if constexpr (sizeof(Real) == 4)
+    return hn::GatherIndex(d, values, narrow);
+  else
+    return hn::GatherIndex(d, values, hn::PromoteTo(hn::RebindToSigned<decltype(d)>(), narrow));
+}
+
 /// Looks both ends of cells up.
 template <class Real, int cells>
 struct LookUp {
   using D = hn::ScalableTag<Real>;
   const Real* table;
   HWY_INLINE explicit LookUp(const Table<Real, cells>& from) : table(from.at) {}
-  HWY_INLINE hn::Vec<D> begin(const std::int32_t* cell) const { return at(table, cell); }
-  HWY_INLINE hn::Vec<D> end(const std::int32_t* cell) const { return at(table + cells, cell); }
-
-  static HWY_INLINE hn::Vec<D> at(const Real* values, const std::int32_t* cell) {
-    const D d;
-    const auto index = hn::LoadU(hn::Rebind<std::int32_t, D>(), cell);
-    if constexpr (sizeof(Real) == 4)
-      return hn::GatherIndex(d, values, index);
-    else
-      return hn::GatherIndex(d, values, hn::PromoteTo(hn::RebindToSigned<D>(), index));
-  }
+  HWY_INLINE hn::Vec<D> begin(const std::int32_t* cell) const { return gather(table, cell); }
+  HWY_INLINE hn::Vec<D> end(const std::int32_t* cell) const { return gather(table + cells, cell); }
 };
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
 // (Highway 1.0 has no look-up in two registers.)
@@ -285,30 +302,9 @@ template <class Real>
 struct InMemory {
   const Real* line;
   HWY_INLINE explicit InMemory(const Real* from) : line(from) {}
-  HWY_INLINE hn::Vec<hn::ScalableTag<Real>> begin(const std::int32_t* cell) const {
-    return LookUp<Real, 0>::at(line, cell);
-  }
-  HWY_INLINE hn::Vec<hn::ScalableTag<Real>> end(const std::int32_t* cell) const {
-    return LookUp<Real, 0>::at(line + 1, cell);
-  }
+  HWY_INLINE hn::Vec<hn::ScalableTag<Real>> begin(const std::int32_t* cell) const { return gather(line, cell); }
+  HWY_INLINE hn::Vec<hn::ScalableTag<Real>> end(const std::int32_t* cell) const { return gather(line + 1, cell); }
 };
-
-template <class Real>
-HWY_INLINE void sample(const Real* line, std::int64_t cells, const std::int32_t* cell, const Real* step,
-                       std::size_t count, Real slope, Real* out) {
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  if (sizeof(Real) == 4 && cells <= kLineCells) {
-    LineTable<Real> table;
-    for (std::int64_t c = 0; c < cells; ++c) {
-      table.at[c] = line[c];
-      table.at[kLineCells + c] = line[c + 1];
-    }
-    return sampleCells(LookUp<Real, kLineCells>(table), line, cell, step, count, slope, out);
-  }
-#endif
-  (void)cells;
-  sampleCells(InMemory<Real>(line), line, cell, step, count, slope, out);
-}
 
 template <class Real>
 HWY_INLINE void round(const double* line, std::size_t count, Real* out) {
@@ -316,6 +312,43 @@ HWY_INLINE void round(const double* line, std::size_t count, Real* out) {
   std::size_t i = 0;
   for (; i + lanes <= count; i += lanes) storeWide(loadWide(line + i), out + i);
   for (; i < count; ++i) out[i] = Real(line[i]);
+}
+
+template <class Real>
+HWY_INLINE void sample(const hbLatticeLinesOf<Real>& lines, const double* line, Real* out) {
+  if (!lines.cell) return round(line + lines.firstNode, lines.size, out);
+  Real* const nodes = lines.rounded;
+  round(line, std::size_t(lines.cells) + 1, nodes);
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  if (sizeof(Real) == 4 && lines.cells <= kLineCells) {
+    LineTable<Real> table;
+    round(line, std::size_t(lines.cells), table.at);
+    round(line + 1, std::size_t(lines.cells), table.at + kLineCells);
+    return sampleCells(LookUp<Real, kLineCells>(table), nodes, lines.cell, lines.step, lines.size, lines.slope, out);
+  }
+#endif
+  sampleCells(InMemory<Real>(nodes), nodes, lines.cell, lines.step, lines.size, lines.slope, out);
+}
+
+template <class Real>
+HWY_INLINE void allCoarseRows(const hbLatticeLinesOf<Real>& lines, std::int64_t rows, Real* out, std::size_t stride) {
+  for (std::int64_t row = 0; row < rows; ++row) {
+    const auto surpluses = [&](const hbLatticeLineLevel& level)
+                               HWY_ATTR { return lines.sums + level.offset + row * level.count; };
+    double *memory = lines.line, *finer = lines.finer;
+    const double* line = surpluses(lines.levels[0]);
+    if (lines.levels[0].count == 1) { // a flat axis
+      memory[0] = memory[1] = line[0];
+      line = memory;
+    }
+    for (std::size_t l = 1; l < lines.levels.size(); ++l) {
+      const hbLatticeLineLevel& level = lines.levels[l];
+      refine(line, level.offset == hbLatticeLineLevel::kNone ? nullptr : surpluses(level), level.cells, finer);
+      line = finer + level.shift;
+      std::swap(memory, finer);
+    }
+    sample(lines, line, out + std::size_t(row) * stride);
+  }
 }
 
 template <class Real>
@@ -353,19 +386,12 @@ HWY_ATTR void sumOfTerms(const hbLatticeTerm* terms, std::size_t termCount, std:
   }
 }
 
-HWY_ATTR void refineOne(const double* coarse, const double* surpluses, std::int64_t cells, double* fine) {
-  refine(coarse, surpluses, cells, fine);
+HWY_ATTR void coarse32(const hbLatticeLinesOf<float>& lines, std::int64_t rows, float* out, std::size_t stride) {
+  allCoarseRows(lines, rows, out, stride);
 }
-HWY_ATTR void sample32(const float* line, std::int64_t cells, const std::int32_t* cell, const float* step,
-                       std::size_t count, float slope, float* out) {
-  sample(line, cells, cell, step, count, slope, out);
+HWY_ATTR void coarse64(const hbLatticeLinesOf<double>& lines, std::int64_t rows, double* out, std::size_t stride) {
+  allCoarseRows(lines, rows, out, stride);
 }
-HWY_ATTR void sample64(const double* line, std::int64_t cells, const std::int32_t* cell, const double* step,
-                       std::size_t count, double slope, double* out) {
-  sample(line, cells, cell, step, count, slope, out);
-}
-HWY_ATTR void round32(const double* line, std::size_t count, float* out) { round(line, count, out); }
-HWY_ATTR void round64(const double* line, std::size_t count, double* out) { round(line, count, out); }
 HWY_ATTR void mean32(const float* a, const float* b, std::size_t count, float* row) { mean(a, b, count, row); }
 HWY_ATTR void mean64(const double* a, const double* b, std::size_t count, double* row) { mean(a, b, count, row); }
 HWY_ATTR void rows32(const hbLatticeRowsOf<float>& rows, float* buffer, float* out, std::size_t stride) {
@@ -382,11 +408,8 @@ HWY_AFTER_NAMESPACE();
 namespace hb {
 namespace {
 HWY_EXPORT(sumOfTerms);
-HWY_EXPORT(refineOne);
-HWY_EXPORT(sample32);
-HWY_EXPORT(sample64);
-HWY_EXPORT(round32);
-HWY_EXPORT(round64);
+HWY_EXPORT(coarse32);
+HWY_EXPORT(coarse64);
 HWY_EXPORT(mean32);
 HWY_EXPORT(mean64);
 HWY_EXPORT(rows32);
@@ -396,26 +419,13 @@ HWY_EXPORT(rows64);
 void weightedSum(std::span<const hbLatticeTerm> terms, std::int64_t count, double* sum) {
   HWY_DYNAMIC_DISPATCH(sumOfTerms)(terms.data(), terms.size(), count, sum);
 }
-void refineLine(const double* coarse, const double* surpluses, std::int64_t cells, double* fine) {
-  HWY_DYNAMIC_DISPATCH(refineOne)(coarse, surpluses, cells, fine);
+template <>
+void coarseRows(const hbLatticeLinesOf<float>& lines, std::int64_t rows, float* out, std::size_t stride) {
+  HWY_DYNAMIC_DISPATCH(coarse32)(lines, rows, out, stride);
 }
 template <>
-void sampleLine(const float* line, std::int64_t cells, const std::int32_t* cell, const float* step, std::size_t count,
-                float slope, float* out) {
-  HWY_DYNAMIC_DISPATCH(sample32)(line, cells, cell, step, count, slope, out);
-}
-template <>
-void sampleLine(const double* line, std::int64_t cells, const std::int32_t* cell, const double* step, std::size_t count,
-                double slope, double* out) {
-  HWY_DYNAMIC_DISPATCH(sample64)(line, cells, cell, step, count, slope, out);
-}
-template <>
-void roundLine(const double* line, std::size_t count, float* out) {
-  HWY_DYNAMIC_DISPATCH(round32)(line, count, out);
-}
-template <>
-void roundLine(const double* line, std::size_t count, double* out) {
-  HWY_DYNAMIC_DISPATCH(round64)(line, count, out);
+void coarseRows(const hbLatticeLinesOf<double>& lines, std::int64_t rows, double* out, std::size_t stride) {
+  HWY_DYNAMIC_DISPATCH(coarse64)(lines, rows, out, stride);
 }
 template <>
 void addMean(const float* a, const float* b, std::size_t count, float* row) {

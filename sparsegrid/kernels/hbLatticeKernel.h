@@ -11,6 +11,31 @@ struct hbLatticeTerm {
   double weight = 0.0;
 };
 
+/// One level of a line along the fast axis: its surpluses (none: 0), one in each cell of the next coarser level.
+struct hbLatticeLineLevel {
+  static constexpr std::int64_t kNone = -1;
+  std::int64_t offset = kNone; ///< Of [rows][count] surpluses in the plane's sums.
+  std::int64_t count = 0;
+  std::int64_t cells = 0; ///< Cells of the next coarser level.
+  std::int64_t shift = 0; ///< So many of the 2 cells + 1 nodes, at the beginning, are not needed any more.
+};
+
+/// The coarse rows of one level of the row axis: lines along the fast axis are dehierarchised, then sampled.
+template <class Real>
+struct hbLatticeLinesOf {
+  std::span<const hbLatticeLineLevel> levels; ///< The first one has the ends (of a flat axis one value).
+  const double* sums = nullptr;
+  double *line = nullptr, *finer = nullptr; ///< Memory for a line's nodes.
+  Real* rounded = nullptr;                  ///< The same.
+
+  std::size_t size = 0;               ///< Samples of a row.
+  std::int64_t firstNode = 0;         ///< The samples are the line's nodes from this one on, where there is no
+  const std::int32_t* cell = nullptr; ///< cell in the line for each sample,
+  const Real* step = nullptr;         ///< and the step towards the cell's end, in [0,1].
+  std::int64_t cells = 0;             ///< Of the line.
+  Real slope = 0;                     ///< Other than 0: the slope, this times the difference of the cell's ends.
+};
+
 /// How the fine part of a row is put together: for every level of the fast axis, its parts from the levels of the row
 /// axis. Beside those the fast axis is at most so fine that the sum's values at both ends of all its cells fit one or
 /// two vector registers: the *table*.
@@ -62,19 +87,9 @@ namespace hb {
 /// sum[i] = the terms' weighted sum, added up in their order.
 void weightedSum(std::span<const hbLatticeTerm> terms, std::int64_t count, double* sum);
 
-/// The 2 cells + 1 nodal values of the next level: those of the coarser one, and between them surplus (none: 0) plus
-/// mean.
-void refineLine(const double* coarse, const double* surpluses, std::int64_t cells, double* fine);
-
-/// out[i] = (1 - step[i]) line[cell[i]] + step[i] line[cell[i] + 1]; with a slope other than 0, that times the
-/// difference. `cells` is how many the line has.
+/// out[i + stride j] = coarse row j's sample i.
 template <class Real>
-void sampleLine(const Real* line, std::int64_t cells, const std::int32_t* cell, const Real* step, std::size_t count,
-                Real slope, Real* out);
-
-/// out[i] = line[i], rounded.
-template <class Real>
-void roundLine(const double* line, std::size_t count, Real* out);
+void coarseRows(const hbLatticeLinesOf<Real>& lines, std::int64_t rows, Real* out, std::size_t stride);
 
 /// row[i] += the mean of a[i] and b[i].
 template <class Real>
