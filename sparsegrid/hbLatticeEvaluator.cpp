@@ -20,6 +20,23 @@ int levelOf(std::span<const double> places, int finest) {
   return level;
 }
 
+/// What a lattice costs, in nanoseconds on the processor of doc/results.md; only the ratios matter.
+constexpr double kSurplus = 0.1;      ///< added up for a plane,
+constexpr double kNode = 0.3;         ///< dehierarchised of a coarse line,
+constexpr double kCoarseSample = 0.5; ///< of a coarse row,
+constexpr double kRow = 40.0;         ///< a table,
+constexpr double kSample = 0.15;      ///< a sample from it,
+constexpr double kScattered = 2.0;    ///< and to a place of its own; and
+constexpr double kReordered = 3.0;    ///< a surplus copied.
+
+glm::ivec3 levelsOf(const hbAxisOrder& order, int fast, int row, int plane) {
+  glm::ivec3 result(0);
+  result[order.fast] = fast;
+  result[order.row] = row;
+  result[order.plane] = plane;
+  return result;
+}
+
 /// How many cells a level has.
 double cellsOf(int level) { return double(std::int64_t{1} << level); }
 
@@ -55,13 +72,13 @@ hbLatticeEvaluator::hbLatticeEvaluator(const hbSparseGrid& grid, int component, 
   if (order != hbAxisOrder{}) reorder(component);
   // Reordered subspaces lie as they do in the grid.
   const float* surpluses = order == hbAxisOrder{} ? grid.surpluses(component).data() : reordered_.data();
-  for (int row = 0; set.contains(levels(0, row, 0)); ++row) {
+  for (int row = 0; set.contains(levelsOf(order, 0, row, 0)); ++row) {
     blockAt_.emplace_back();
-    for (int fast = 0; set.contains(levels(fast, row, 0)); ++fast) {
-      const hbSubspace& base = set.subspace(levels(fast, row, 0));
+    for (int fast = 0; set.contains(levelsOf(order, fast, row, 0)); ++fast) {
+      const hbSubspace& base = set.subspace(levelsOf(order, fast, row, 0));
       Block block{base.nodes[order.fast], base.nodes[order.row], {}};
-      for (int plane = 0; set.contains(levels(fast, row, plane)); ++plane)
-        block.byLevel.push_back(surpluses + set.subspace(levels(fast, row, plane)).offset);
+      for (int plane = 0; set.contains(levelsOf(order, fast, row, plane)); ++plane)
+        block.byLevel.push_back(surpluses + set.subspace(levelsOf(order, fast, row, plane)).offset);
       blockAt_.back().push_back(blocks_.size());
       blocks_.push_back(std::move(block));
     }
@@ -69,12 +86,37 @@ hbLatticeEvaluator::hbLatticeEvaluator(const hbSparseGrid& grid, int component, 
   }
 }
 
-glm::ivec3 hbLatticeEvaluator::levels(int fast, int row, int plane) const {
-  glm::ivec3 result(0);
-  result[order_.fast] = fast;
-  result[order_.row] = row;
-  result[order_.plane] = plane;
-  return result;
+hbAxisOrder hbLatticeEvaluator::cheapestOrder(const hbIndexSet& set, const hbSize3& samples) {
+  const hbAxisOrder natural;
+  const auto cost = [&](const hbAxisOrder& order) {
+    const auto size = [&](int axis) { return double(samples[axis]); };
+    double sums = 0.0, coarse = 0.0, fine = size(order.row) * kRow;
+    for (int row = 0; set.contains(levelsOf(order, 0, row, 0)); ++row) {
+      int fast = 0;
+      double rows = 0.0;
+      for (; set.contains(levelsOf(order, fast, row, 0)); ++fast) {
+        int plane = 0;
+        while (set.contains(levelsOf(order, fast, row, plane))) ++plane;
+        const hbSize3 nodes = set.subspace(levelsOf(order, fast, row, 0)).nodes;
+        rows = double(nodes[order.row]);
+        sums += double(nodes[order.fast]) * rows * double(plane) * kSurplus;
+      }
+      if (fast - 1 > hbLatticeParts::kTableLevel || row == 0)
+        coarse += rows * (std::exp2(fast) * kNode + size(order.fast) * kCoarseSample);
+    }
+    const double each = order.fast == natural.fast ? kSample : kSample + kScattered;
+    return size(order.plane) * (sums + coarse + fine + size(order.row) * size(order.fast) * each) +
+           (order == natural ? 0.0 : double(set.storedValues()) * kReordered);
+  };
+  hbAxisOrder best = natural;
+  double least = 0.5 * cost(natural);
+  for (const hbAxisOrder& order :
+       {hbAxisOrder{0, 2, 1}, hbAxisOrder{1, 0, 2}, hbAxisOrder{1, 2, 0}, hbAxisOrder{2, 0, 1}, hbAxisOrder{2, 1, 0}})
+    if (const double found = cost(order); found < least) {
+      best = order;
+      least = found;
+    }
+  return best;
 }
 
 double hbLatticeEvaluator::place(double coordinate, int axis) const {

@@ -31,6 +31,10 @@ public:
 
   const hbAxisOrder& order() const { return order_; }
 
+  /// The order that takes least time, as far as can be told beforehand, for a lattice of so many samples whose x axis
+  /// lies fastest in memory. Any other than the natural one must save half of its time.
+  static hbAxisOrder cheapestOrder(const hbIndexSet& set, const hbSize3& samples);
+
   /// Prepares planes with samples at us along the fast axis and vs along the row axis: coordinates of the cube,
   /// increasing; clamped to it (NaN to 0). O((us + vs) levels).
   template <class Real>
@@ -60,7 +64,6 @@ private:
   /// The lattice coordinate of a cube coordinate. With the aligned mapping samples are nodes, to which what
   /// the rounding of k / (N-1) alone put aside is put back.
   double place(double coordinate, int axis) const;
-  glm::ivec3 levels(int fast, int row, int plane) const;
 
   template <class Real>
   void addWindow(hbLatticePlanOf<Real>& plan, std::size_t block, std::int64_t firstRow, std::int64_t rows,

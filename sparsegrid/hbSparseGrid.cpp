@@ -1,6 +1,7 @@
 #include "sparsegrid/hbSparseGrid.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -297,11 +298,27 @@ double hbSparseGrid::calcValue(const glm::dvec3& point, int component, glm::dvec
 
 void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs,
                            int component, float* out, std::size_t strideY, std::size_t strideZ) const {
-  const hbLatticeEvaluator evaluator(*this, component);
-  const hbLatticePlan plan = evaluator.plan(xs, ys);
-  hbLatticeWorkspace workspace;
+  const std::array<std::span<const double>, 3> places{xs, ys, zs};
+  const std::array<std::size_t, 3> strides{1, strideY, strideZ};
+  const hbAxisOrder order = hbLatticeEvaluator::cheapestOrder(
+      set_, {std::int64_t(xs.size()), std::int64_t(ys.size()), std::int64_t(zs.size())});
+  const auto fast = std::size_t(order.fast), row = std::size_t(order.row), plane = std::size_t(order.plane);
   const bool pastCaches = xs.size() * ys.size() * zs.size() * sizeof(float) >= kPastCaches;
-  for (std::size_t k = 0; k < zs.size(); ++k) evaluator.plane(plan, zs[k], workspace, out + k * strideZ, strideY, pastCaches);
+  const hbLatticeEvaluator evaluator(*this, component, order);
+  const hbLatticePlan plan = evaluator.plan(places[fast], places[row]);
+  hbLatticeWorkspace workspace;
+  std::vector<float> values(fast == 0 ? 0 : places[fast].size() * places[row].size());
+  for (std::size_t k = 0; k < places[plane].size(); ++k) {
+    float* to = out + k * strides[plane];
+    if (fast == 0) {
+      evaluator.plane(plan, places[plane][k], workspace, to, strides[row], pastCaches);
+      continue;
+    }
+    evaluator.plane(plan, places[plane][k], workspace, values.data(), places[fast].size());
+    for (std::size_t j = 0; j < places[row].size(); ++j)
+      for (std::size_t i = 0; i < places[fast].size(); ++i)
+        to[i * strides[fast] + j * strides[row]] = values[i + j * places[fast].size()];
+  }
 }
 
 hbRange hbSparseGrid::range(const hbBox& box, int component) const {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -33,7 +34,8 @@ rc::Gen<std::vector<double>> places() {
   });
 }
 
-/// Of a small set, or of a regular one so fine along some axes that the row axis has coarse and fine levels.
+/// Two components of a small set, or of a regular one so fine along some axes that the row axis has coarse and fine
+/// levels.
 hbSparseGrid anyGrid() {
   hbIndexSet set = *hbTestSets::any();
   if (*rc::gen::inRange(0, 2) == 0) {
@@ -45,16 +47,24 @@ hbSparseGrid anyGrid() {
   const auto mapping = *rc::gen::element(hbLatticeMapping::fitted, hbLatticeMapping::aligned);
   for (int d = 0; d < 3; ++d)
     if (mapping == hbLatticeMapping::aligned && set.finest()[d] > 1) --size[d];
-  return hbSparseGrid::interpolate(*hbAnalyticField::create("vortex")->withSize(size), set, mapping);
+  std::vector<std::vector<float>> surpluses;
+  std::optional<hbSparseGrid> grid;
+  for (const char* field : {"vortex", "kink"}) {
+    grid = hbSparseGrid::interpolate(*hbAnalyticField::create(field)->withSize(size), set, mapping);
+    const auto values = grid->surpluses(0);
+    surpluses.emplace_back(values.begin(), values.end());
+  }
+  return hbSparseGrid::fromSurpluses(grid->frame(), set, surpluses);
 }
 
 /// The reference: one point after the other.
-double exact(const hbSparseGrid& grid, const hbAxisOrder& order, Quantity quantity, double u, double v, double w) {
+double exact(const hbSparseGrid& grid, int component, const hbAxisOrder& order, Quantity quantity, double u, double v,
+             double w) {
   glm::dvec3 point{0.0}, gradient{0.0};
   point[order.fast] = u;
   point[order.row] = v;
   point[order.plane] = w;
-  const double value = grid.calcValue(point, 0, gradient);
+  const double value = grid.calcValue(point, component, gradient);
   const int axes[] = {0, order.fast, order.row, order.plane};
   return quantity == Quantity::value ? value : gradient[axes[int(quantity)]];
 }
@@ -64,19 +74,21 @@ double exact(const hbSparseGrid& grid, const hbAxisOrder& order, Quantity quanti
 RC_GTEST_PROP(hbLatticeEvaluator, GivesTheValuesAtTheirPoints, ()) {
   const hbSparseGrid grid = anyGrid();
   const hbAxisOrder order = *rc::gen::elementOf(kOrders);
+  const int component = *rc::gen::inRange(0, 2);
   const std::vector<double> us = *places(), vs = *places(), ws = *places();
-  const hbLatticeEvaluator evaluator(grid, 0, order);
+  const hbLatticeEvaluator evaluator(grid, component, order);
   const hbLatticePlan plan = evaluator.plan(us, vs);
   hbLatticeWorkspace workspace;
   const std::size_t stride = us.size() + 2; // with gaps, which stay untouched
-  const double tolerance = hbTestSets::latticeBound(grid, order.row);
+  const double tolerance = hbTestSets::latticeBound(grid, order.row, component);
   for (const double w : ws)
     for (const bool pastCaches : {false, true}) {
       std::vector<float> out(stride * vs.size(), -99.0F);
       evaluator.plane(plan, w, workspace, out.data(), stride, pastCaches);
       for (std::size_t j = 0; j < vs.size(); ++j) {
         for (std::size_t i = 0; i < us.size(); ++i)
-          RC_ASSERT(std::abs(out[i + stride * j] - exact(grid, order, Quantity::value, us[i], vs[j], w)) <= tolerance);
+          RC_ASSERT(std::abs(out[i + stride * j] - exact(grid, component, order, Quantity::value, us[i], vs[j], w)) <=
+                    tolerance);
         RC_ASSERT(out[us.size() + stride * j] == -99.0F);
       }
     }
@@ -85,8 +97,9 @@ RC_GTEST_PROP(hbLatticeEvaluator, GivesTheValuesAtTheirPoints, ()) {
 RC_GTEST_PROP(hbLatticeEvaluator, GivesValuesAndSlopesIn64Bits, ()) {
   const hbSparseGrid grid = anyGrid();
   const hbAxisOrder order = *rc::gen::elementOf(kOrders);
+  const int component = *rc::gen::inRange(0, 2);
   const std::vector<double> us = *places(), vs = *places(), ws = *places();
-  const hbLatticeEvaluator evaluator(grid, 0, order);
+  const hbLatticeEvaluator evaluator(grid, component, order);
   hbLatticeWorkspace64 workspace;
   std::vector<double> out(us.size() * vs.size());
   for (const Quantity quantity : {Quantity::value, Quantity::slopeFast, Quantity::slopeRow, Quantity::slopePlane}) {
@@ -96,12 +109,13 @@ RC_GTEST_PROP(hbLatticeEvaluator, GivesValuesAndSlopesIn64Bits, ()) {
         quantity == Quantity::value
             ? 1.0
             : std::exp2(std::max({grid.indexSet().finest().x, grid.indexSet().finest().y, grid.indexSet().finest().z}));
-    const double tolerance = 4096 * 0x1p-53 * steepest * hbTestSets::amplitude(grid);
+    const double tolerance = 4096 * 0x1p-53 * steepest * hbTestSets::amplitude(grid, component);
     for (const double w : ws) {
       evaluator.plane(plan, w, workspace, out.data(), us.size());
       for (std::size_t j = 0; j < vs.size(); ++j)
         for (std::size_t i = 0; i < us.size(); ++i)
-          RC_ASSERT(std::abs(out[i + us.size() * j] - exact(grid, order, quantity, us[i], vs[j], w)) <= tolerance);
+          RC_ASSERT(std::abs(out[i + us.size() * j] - exact(grid, component, order, quantity, us[i], vs[j], w)) <=
+                    tolerance);
     }
   }
 }
@@ -109,19 +123,21 @@ RC_GTEST_PROP(hbLatticeEvaluator, GivesValuesAndSlopesIn64Bits, ()) {
 RC_GTEST_PROP(hbLatticeEvaluator, GivesSlopesIn32Bits, ()) {
   const hbSparseGrid grid = anyGrid();
   const hbAxisOrder order = *rc::gen::elementOf(kOrders);
+  const int component = *rc::gen::inRange(0, 2);
   const std::vector<double> us = *places(), vs = *places();
   const double w = *rc::gen::inRange(0, 101) / 100.0;
-  const hbLatticeEvaluator evaluator(grid, 0, order);
+  const hbLatticeEvaluator evaluator(grid, component, order);
   hbLatticeWorkspace workspace;
   std::vector<float> out(us.size() * vs.size());
   for (const Quantity quantity : {Quantity::slopeFast, Quantity::slopeRow, Quantity::slopePlane}) {
     evaluator.plane(evaluator.plan(us, vs, quantity), w, workspace, out.data(), us.size());
     const double steepest =
         std::exp2(std::max({grid.indexSet().finest().x, grid.indexSet().finest().y, grid.indexSet().finest().z}));
-    const double tolerance = steepest * hbTestSets::latticeBound(grid, order.row);
+    const double tolerance = steepest * hbTestSets::latticeBound(grid, order.row, component);
     for (std::size_t j = 0; j < vs.size(); ++j)
       for (std::size_t i = 0; i < us.size(); ++i)
-        RC_ASSERT(std::abs(out[i + us.size() * j] - exact(grid, order, quantity, us[i], vs[j], w)) <= tolerance);
+        RC_ASSERT(std::abs(out[i + us.size() * j] - exact(grid, component, order, quantity, us[i], vs[j], w)) <=
+                  tolerance);
   }
 }
 
@@ -180,6 +196,16 @@ TEST(hbLatticeEvaluator, GivesTheSameWithEveryInstructionSet) {
       }
       hb::useInstructionSet("");
     }
+}
+
+TEST(hbLatticeEvaluator, ThePlanesAreAcrossTheAxisWithTheFewestSamples) {
+  const hbIndexSet set = hbIndexSet::regular(9, {});
+  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {513, 513, 513}), (hbAxisOrder{0, 1, 2}));
+  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {513, 513, 1}), (hbAxisOrder{0, 1, 2}));
+  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {513, 1, 513}), (hbAxisOrder{0, 2, 1}));
+  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {1, 513, 513}).plane, 0);
+  // Nothing is won where a plane more costs little.
+  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {513, 200, 513}), (hbAxisOrder{0, 1, 2}));
 }
 
 TEST(hbLatticeEvaluator, NoPlacesAndPlacesOutside) {

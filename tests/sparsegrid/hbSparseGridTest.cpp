@@ -176,17 +176,21 @@ TEST(hbSparseGrid, GradientsAtKinksAreOneSidedTowardsPlus) {
 RC_GTEST_PROP(hbSparseGrid, LatticesAreTheValuesAtTheirPoints, ()) {
   const hbIndexSet set = *hbTestSets::any();
   const hbSparseGrid grid = gridOf("vortex", set);
-  const std::vector<double> xs{0.0, 0.125, 0.3, 1.0}, ys{0.2, 0.5}, zs{0.0, 0.77, 1.0};
-  constexpr std::size_t kStrideY = 5, kStrideZ = 11; // with gaps, which stay untouched
-  std::vector<float> out(kStrideZ * zs.size(), -99.0F);
-  grid.lattice(xs, ys, zs, 0, out.data(), kStrideY, kStrideZ);
-  const double tolerance = hbTestSets::latticeBound(grid);
+  // Of any shape, as the order of the axes depends on it.
+  std::vector<double> xs{0.0, 0.125, 0.3, 1.0}, ys{0.2, 0.5}, zs{0.0, 0.77, 1.0};
+  std::vector<double>& longest = *std::array{&xs, &ys, &zs}[*rc::gen::inRange<std::size_t>(0, 3)];
+  longest.clear();
+  for (int i = 0; i < 100; ++i) longest.push_back(i / 99.0);
+  const std::size_t strideY = xs.size() + 1, strideZ = strideY * ys.size() + 1; // with gaps, which stay untouched
+  std::vector<float> out(strideZ * zs.size(), -99.0F);
+  grid.lattice(xs, ys, zs, 0, out.data(), strideY, strideZ);
+  const double tolerance = std::max(
+      {hbTestSets::latticeBound(grid, 0), hbTestSets::latticeBound(grid, 1), hbTestSets::latticeBound(grid, 2)});
   for (std::size_t k = 0; k < zs.size(); ++k)
     for (std::size_t j = 0; j < ys.size(); ++j) {
       for (std::size_t i = 0; i < xs.size(); ++i)
-        RC_ASSERT(std::abs(out[i + kStrideY * j + kStrideZ * k] - grid.calcValue({xs[i], ys[j], zs[k]}, 0)) <=
-                  tolerance);
-      RC_ASSERT(out[4 + kStrideY * j + kStrideZ * k] == -99.0F);
+        RC_ASSERT(std::abs(out[i + strideY * j + strideZ * k] - grid.calcValue({xs[i], ys[j], zs[k]}, 0)) <= tolerance);
+      RC_ASSERT(out[xs.size() + strideY * j + strideZ * k] == -99.0F);
     }
 }
 
