@@ -8,6 +8,7 @@
 
 #include "bench/fields.h"
 #include "sparsegrid/hbHierarchise.h"
+#include "sparsegrid/hbLatticeEvaluator.h"
 
 namespace {
 
@@ -84,6 +85,24 @@ void lattice(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * std::int64_t(out.size()));
 }
 
+/// One plane with its three slopes, places between nodes; on one thread.
+void latticeGradient(benchmark::State& state) {
+  using Quantity = hbLatticeEvaluator::Quantity;
+  const hbLatticeEvaluator evaluator(bench::sparseGrid(int(state.range(0))), 0);
+  const auto size = std::size_t(state.range(1));
+  std::vector<double> places;
+  for (std::size_t i = 0; i < size; ++i) places.push_back((double(i) + 0.37) / double(size));
+  std::vector<float> out(size * size);
+  hbLatticeWorkspace workspace;
+  for (auto _ : state)
+    for (const Quantity q : {Quantity::value, Quantity::slopeFast, Quantity::slopeRow, Quantity::slopePlane}) {
+      evaluator.plane(evaluator.plan(places, places, q), 0.4, workspace, out.data(), size);
+      benchmark::DoNotOptimize(out.data());
+      benchmark::ClobberMemory();
+    }
+  state.SetItemsProcessed(state.iterations() * std::int64_t(out.size()));
+}
+
 void levels(benchmark::internal::Benchmark* b) {
   b->ArgName("level")->Arg(9)->Arg(11)->UseRealTime()->Unit(benchmark::kMillisecond);
 }
@@ -94,4 +113,5 @@ BENCHMARK(hierarchisePlain)->Name("hierarchise/strided-scalar")->Apply(levels);
 BENCHMARK(hierarchiseOnOneThread)->Name("hierarchise/one-thread")->Apply(levels);
 BENCHMARK(hierarchise)->Name("hierarchise/all-threads")->Apply(levels);
 BENCHMARK(dehierarchise)->Name("dehierarchise/all-threads")->Apply(levels);
+BENCHMARK(latticeGradient)->Name("lattice-gradient")->ArgNames({"level", "size"})->Args({11, 200});
 BENCHMARK(lattice)->ArgNames({"level", "size"})->Args({8, 129})->Unit(benchmark::kMillisecond);
