@@ -2,23 +2,25 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "sparsegrid/hbLatticeBlocks.h"
 #include "sparsegrid/kernels/hbLatticeKernel.h"
 
 /// What is evaluated: the value, or its slope along one of the parts' axes, in field values per unit of the cube (at
 /// kinks the slope towards +, at the upper faces towards -).
 enum class hbLatticeQuantity : std::uint8_t { value, slopeFast, slopeRow, slopePlane };
 
-/// Where the samples of a lattice's planes lie, prepared once for all of them: made by hbLatticeEvaluator::plan(), read
-/// by its plane(). `Real` is the type of the values.
+/// Where the samples of a lattice's planes lie, prepared once for all of them; see hbLatticeEvaluator. `Real`, float or
+/// double, is the type of the values.
 template <class Real>
 struct hbLatticePlanOf {
   /// Cells [begin, end) of the 2^level ones of a level.
   struct Cells {
     std::int32_t begin = 0, end = 1;
   };
-  /// The part of a block (see hbLatticeEvaluator) whose hats meet the lattice, and where its sum over the levels of the
+  /// The part of a block whose hats meet the lattice, and where its sum over the levels of the
   /// plane axis goes: [rows][count].
   struct Window {
     std::size_t block = 0;
@@ -38,7 +40,12 @@ struct hbLatticePlanOf {
     std::size_t level = 0; ///< Of the fast axis, at which the line ends.
   };
 
-  hbLatticeQuantity quantity = hbLatticeQuantity::value;
+  /// Of samples at us along the fast axis and vs along the row axis: coordinates of the cube, increasing; clamped to it
+  /// (NaN to 0). O((us + vs) levels).
+  hbLatticePlanOf(const hbLatticeBlocks& blocks, std::span<const double> us, std::span<const double> vs,
+                  hbLatticeQuantity quantity);
+
+  hbLatticeQuantity quantity;
   std::size_t size = 0, rows = 0; ///< Samples of a row, rows of a plane.
   std::vector<Window> windows;
   std::int64_t sums = 0;               ///< Numbers in all windows.
@@ -56,6 +63,14 @@ struct hbLatticePlanOf {
   std::vector<double> weight;          ///< [row][slot]
   std::vector<std::int32_t> tableCell; ///< Of each sample: its cell of the table's level,
   std::vector<Real> tableStep;         ///< and the step within it.
+
+private:
+  void addWindow(std::size_t block, std::int64_t firstRow, std::int64_t windowRows, std::int64_t first,
+                 std::int64_t count);
+  void addCoarse(const hbLatticeBlocks& blocks, int level);
+  void addFine(const hbLatticeBlocks& blocks, int begin);
+  void placeAlongFast(const std::vector<double>& at);
+  void placeAlongRow(const std::vector<double>& at, double scale);
 };
 using hbLatticePlan = hbLatticePlanOf<float>;
 using hbLatticePlan64 = hbLatticePlanOf<double>;

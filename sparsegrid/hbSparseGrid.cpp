@@ -300,8 +300,8 @@ void hbSparseGrid::lattice(std::span<const double> xs, std::span<const double> y
                            int component, float* out, std::size_t strideY, std::size_t strideZ) const {
   const std::array<std::span<const double>, 3> places{xs, ys, zs};
   const std::array<std::size_t, 3> strides{1, strideY, strideZ};
-  const hbAxisOrder order = hbLatticeEvaluator::cheapestOrder(
-      set_, {std::int64_t(xs.size()), std::int64_t(ys.size()), std::int64_t(zs.size())});
+  const hbAxisOrder order =
+      hbAxisOrder::cheapest(set_, {std::int64_t(xs.size()), std::int64_t(ys.size()), std::int64_t(zs.size())});
   const auto fast = std::size_t(order.fast), row = std::size_t(order.row), plane = std::size_t(order.plane);
   const bool pastCaches = xs.size() * ys.size() * zs.size() * sizeof(float) >= kPastCaches;
   const hbLatticeEvaluator evaluator(*this, component, order);

@@ -198,16 +198,6 @@ TEST(hbLatticeEvaluator, GivesTheSameWithEveryInstructionSet) {
     }
 }
 
-TEST(hbLatticeEvaluator, ThePlanesAreAcrossTheAxisWithTheFewestSamples) {
-  const hbIndexSet set = hbIndexSet::regular(9, {});
-  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {513, 513, 513}), (hbAxisOrder{0, 1, 2}));
-  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {513, 513, 1}), (hbAxisOrder{0, 1, 2}));
-  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {513, 1, 513}), (hbAxisOrder{0, 2, 1}));
-  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {1, 513, 513}).plane, 0);
-  // Nothing is won where a plane more costs little.
-  EXPECT_EQ(hbLatticeEvaluator::cheapestOrder(set, {513, 200, 513}), (hbAxisOrder{0, 1, 2}));
-}
-
 TEST(hbLatticeEvaluator, NoPlacesAndPlacesOutside) {
   const hbSparseGrid grid = hbSparseGrid::interpolate(*hbAnalyticField::create("smooth,size=9"),
                                                       hbIndexSet::regular(3, {}), hbLatticeMapping::fitted);
