@@ -112,7 +112,9 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
   const auto source = input.field(hbEngine::full, nonFinite);
   const auto interpolate = [&] {
     try {
-      return hbSparseGrid::interpolate(*source, set, mapping, progress);
+      return hbSparseGrid::interpolate(*source, set, mapping, progress, [&](std::int64_t first, std::int64_t last) {
+        if (input.volume) input.volume->releasePlanes(first, last);
+      });
     } catch (const hbCancelled&) {
       throw;
     } catch (const hbError& error) {

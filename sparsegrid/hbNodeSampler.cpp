@@ -8,6 +8,13 @@
 #include <fmt/format.h>
 
 #include "volume/hbError.h"
+#include "volume/hbParallel.h"
+
+namespace {
+
+std::int64_t planeNodes(const hbSubspace& subspace) { return subspace.nodes.x * subspace.nodes.y; }
+
+} // namespace
 
 int hbNodeSampler::alignedLevel(std::int64_t size) {
   return size <= 2 ? 0 : int(std::bit_width(std::uint64_t(size - 2)));
@@ -26,10 +33,13 @@ void hbNodeSampler::checkAligned(const hbSize3& size, const hbIndexSet& set) {
 }
 
 hbNodeSampler::hbNodeSampler(const hbField& source, const hbIndexSet& set, hbLatticeMapping mapping)
-    : source_(source), size_(source.geometry().size), aligned_(mapping == hbLatticeMapping::aligned) {
+    : source_(source), set_(set), size_(source.geometry().size), aligned_(mapping == hbLatticeMapping::aligned) {
   if (aligned_) checkAligned(size_, set);
+  for (int d = 0; d < 3; ++d) resolution_[d] = aligned_ ? alignedLevel(size_[d]) : set.finest()[d];
   for (int d = 0; d < 2; ++d)
     for (int level = 0; level <= set.finest()[d]; ++level) plans_[std::size_t(d)].push_back(plan(d, level));
+  subspaces_.resize(std::size_t(set.finest().z) + 1);
+  for (const hbSubspace& subspace : set.subspaces()) subspaces_[std::size_t(subspace.levels.z)].push_back(subspace);
 }
 
 hbNodeSampler::Stencil hbNodeSampler::stencil(int axis, std::int64_t node) const {
@@ -45,22 +55,24 @@ hbNodeSampler::Stencil hbNodeSampler::stencil(int axis, std::int64_t node) const
 }
 
 hbNodeSampler::AxisPlan hbNodeSampler::plan(int axis, int level) const {
-  return plan(axis, level, 0, hbIndexSet::axisNodes(size_[axis] == 1, level));
+  const int spare = resolution_[axis] - level;
+  std::vector<std::int64_t> nodes;
+  for (std::int64_t k = 0; k < hbIndexSet::axisNodes(size_[axis] == 1, level); ++k)
+    nodes.push_back(level == 0 ? k << spare : (2 * k + 1) << spare);
+  return planOf(axis, nodes);
 }
 
-hbNodeSampler::AxisPlan hbNodeSampler::plan(int axis, int level, std::int64_t first, std::int64_t count) const {
+hbNodeSampler::AxisPlan hbNodeSampler::planOf(int axis, const std::vector<std::int64_t>& nodes) const {
   AxisPlan plan;
   if (size_[axis] == 1) return {{0.5}, {}};
   if (!aligned_) {
-    for (std::int64_t k = first; k < first + count; ++k)
-      plan.coordinates.push_back(level == 0 ? double(k) : std::ldexp(double(2 * k + 1), -level));
+    for (const std::int64_t node : nodes) plan.coordinates.push_back(std::ldexp(double(node), -resolution_[axis]));
     return plan;
   }
-  const int finest = alignedLevel(size_[axis]);
   std::vector<Stencil> stencils;
   std::map<std::int64_t, std::size_t> place; // of a sample among those read
-  for (std::int64_t k = first; k < first + count; ++k) {
-    stencils.push_back(stencil(axis, level == 0 ? k << finest : (2 * k + 1) << (finest - level)));
+  for (const std::int64_t node : nodes) {
+    stencils.push_back(stencil(axis, node));
     for (const auto& [sample, weight] : stencils.back()) place.emplace(sample, 0);
   }
   for (auto& [sample, index] : place) {
@@ -74,11 +86,15 @@ hbNodeSampler::AxisPlan hbNodeSampler::plan(int axis, int level, std::int64_t fi
   return plan;
 }
 
-void hbNodeSampler::sample(const hbSubspace& subspace, std::int64_t first, std::int64_t count, int component,
-                           std::span<double> out) const {
+bool hbNodeSampler::isContinued(const Plane& plane) const {
+  // With two nodes along z, the sample in the middle is not among the nodes.
+  return aligned_ && plane.lattice >= size_.z && set_.finest().z > 0;
+}
+
+void hbNodeSampler::read(const hbSubspace& subspace, const Plane& plane, int component, double* out) const {
   const AxisPlan& x = plans_[0][std::size_t(subspace.levels.x)];
   const AxisPlan& y = plans_[1][std::size_t(subspace.levels.y)];
-  const AxisPlan z = plan(2, subspace.levels.z, first, count);
+  const AxisPlan z = planOf(2, {plane.lattice});
   const std::array<std::size_t, 3> read{x.coordinates.size(), y.coordinates.size(), z.coordinates.size()};
   std::vector<float> samples(read[0] * read[1] * read[2]);
   source_.lattice(x.coordinates, y.coordinates, z.coordinates, component, samples.data(), read[0], read[0] * read[1]);
@@ -104,6 +120,85 @@ void hbNodeSampler::sample(const hbSubspace& subspace, std::int64_t first, std::
   };
   apply(x, 1, read[1] * read[2]);
   apply(y, std::size_t(subspace.nodes.x), read[2]);
-  apply(z, std::size_t(subspace.nodes.x * subspace.nodes.y), 1);
-  std::copy(values.begin(), values.end(), out.begin());
+  apply(z, std::size_t(planeNodes(subspace)), 1);
+  std::copy(values.begin(), values.end(), out);
+}
+
+void hbNodeSampler::continueFrom(const std::vector<double>& values, const hbSubspace& subspace, const Plane& plane,
+                                 double* out) const {
+  const std::int64_t count = planeNodes(subspace);
+  std::fill(out, out + count, 0.0);
+  for (const auto& [sample, weight] : stencil(2, plane.lattice)) {
+    // The samples it is made of are nodes of coarser levels, whose subspaces are in the set.
+    const hbIndexSet::AxisNode node = hbIndexSet::axisNode(false, resolution_.z, sample);
+    const hbSubspace& coarser = set_.subspace({subspace.levels.x, subspace.levels.y, node.level});
+    const double* from = values.data() + coarser.offset + node.index * count;
+    for (std::int64_t i = 0; i < count; ++i) out[i] += weight * from[i];
+  }
+}
+
+void hbNodeSampler::run(std::span<const Plane> planes, Values& values, hbProgress& progress) const {
+  // Some subspaces of a plane each.
+  struct Task {
+    const Plane* plane;
+    std::span<const hbSubspace> subspaces;
+    std::int64_t nodes;
+  };
+  constexpr std::int64_t kNodes = 4096;
+  std::vector<Task> tasks;
+  for (const Plane& plane : planes) {
+    std::span<const hbSubspace> left(subspaces_[std::size_t(plane.level)]);
+    while (!left.empty()) {
+      std::size_t count = 0;
+      std::int64_t nodes = 0;
+      while (count < left.size() && nodes < kNodes) nodes += planeNodes(left[count++]);
+      tasks.push_back({&plane, left.first(count), nodes});
+      left = left.subspan(count);
+    }
+  }
+  const int components = int(values.size());
+  hb::parallelFor(std::int64_t(tasks.size()), [&](std::int64_t t) {
+    const auto& [plane, subspaces, nodes] = tasks[std::size_t(t)];
+    for (const hbSubspace& subspace : subspaces)
+      for (int c = 0; c < components; ++c) {
+        double* out = values[std::size_t(c)].data() + subspace.offset + plane->index * planeNodes(subspace);
+        if (isContinued(*plane))
+          continueFrom(values[std::size_t(c)], subspace, *plane, out);
+        else
+          read(subspace, *plane, c, out);
+      }
+    progress.advance(nodes * components);
+  });
+}
+
+std::pair<std::int64_t, std::int64_t> hbNodeSampler::samplesOf(const Plane& plane) const {
+  const std::vector<double> z = planOf(2, {plane.lattice}).coordinates;
+  const double last = double(size_.z - 1);
+  return {std::int64_t(z.front() * last), std::int64_t(std::ceil(z.back() * last))};
+}
+
+std::vector<std::vector<double>> hbNodeSampler::sample(hbProgress& progress, const AfterBand& afterBand) const {
+  const int finest = set_.finest().z, components = source_.components();
+  std::vector<Plane> inside, continued;
+  for (std::int64_t k = 0; k < (set_.flat().z ? 1 : (std::int64_t{1} << finest) + 1); ++k) {
+    const auto [level, index] = hbIndexSet::axisNode(set_.flat().z, finest, k);
+    const Plane plane{level, index, k << (resolution_.z - finest)};
+    (isContinued(plane) ? continued : inside).push_back(plane);
+  }
+  progress.begin("reading nodes", set_.storedValues() * components, "nodes");
+  Values values(static_cast<std::size_t>(components));
+  for (std::vector<double>& component : values) component.resize(std::size_t(set_.storedValues()));
+  const std::int64_t most = std::max<std::int64_t>(1, kBandSamples / (size_.x * size_.y * components)); // planes
+  for (std::size_t begin = 0; begin < inside.size();) {
+    const std::int64_t first = samplesOf(inside[begin]).first;
+    std::int64_t last = first;
+    std::size_t end = begin;
+    for (; end < inside.size() && (end == begin || samplesOf(inside[end]).second < first + most); ++end)
+      last = samplesOf(inside[end]).second;
+    run({inside.data() + begin, end - begin}, values, progress);
+    if (afterBand) afterBand(first, last);
+    begin = end;
+  }
+  run(continued, values, progress); // not from the source, but from the planes inside
+  return values;
 }

@@ -36,23 +36,6 @@ void checkLengths(const hbIndexSet& set, std::size_t components, auto&& lengthOf
       throw hbError(fmt::format("sparse grid: expected {} values, found {}", set.storedValues(), lengthOf(c)));
 }
 
-/// Some planes of a subspace, few enough to be read at once.
-struct Slab {
-  const hbSubspace* subspace;
-  std::int64_t first, count;
-};
-
-std::vector<Slab> slabsOf(const hbIndexSet& set) {
-  constexpr std::int64_t kNodes = 65536;
-  std::vector<Slab> slabs;
-  for (const hbSubspace& subspace : set.subspaces()) {
-    const std::int64_t planes = std::max<std::int64_t>(1, kNodes / (subspace.nodes.x * subspace.nodes.y));
-    for (std::int64_t z = 0; z < subspace.nodes.z; z += planes)
-      slabs.push_back({&subspace, z, std::min(planes, subspace.nodes.z - z)});
-  }
-  return slabs;
-}
-
 /// The slots (see hbHat) of one level: first and number.
 struct Slots {
   int first, count;
@@ -94,23 +77,15 @@ hbSparseGrid::hbSparseGrid(const Frame& frame, const hbIndexSet& set, std::vecto
 }
 
 hbSparseGrid hbSparseGrid::interpolate(const hbField& source, const hbIndexSet& set, hbLatticeMapping mapping,
-                                       hbProgress& progress) {
+                                       hbProgress& progress,
+                                       const std::function<void(std::int64_t, std::int64_t)>& afterBand) {
   const Frame frame{source.geometry(), source.valueMap(), mapping};
-  const hbNodeSampler sampler(source, set, mapping);
-  const std::vector<Slab> slabs = slabsOf(set);
+  std::vector<std::vector<double>> values = hbNodeSampler(source, set, mapping).sample(progress, afterBand);
   std::vector<std::vector<float>> surpluses;
-  progress.begin("reading nodes", set.storedValues() * source.components(), "nodes");
-  for (int component = 0; component < source.components(); ++component) {
-    std::vector<double> values(static_cast<std::size_t>(set.storedValues()));
-    hb::parallelFor(std::int64_t(slabs.size()), [&](std::int64_t s) {
-      const auto& [subspace, first, count] = slabs[std::size_t(s)];
-      const std::int64_t plane = subspace->nodes.x * subspace->nodes.y;
-      const std::span out(values.data() + subspace->offset + first * plane, std::size_t(count * plane));
-      sampler.sample(*subspace, first, count, component, out);
-      progress.advance(std::int64_t(out.size()));
-    });
-    hb::hierarchise(set, values, progress);
-    surpluses.push_back(toFloats(values));
+  for (std::vector<double>& component : values) {
+    std::vector<double> own = std::move(component); // freed as soon as its floats are there
+    hb::hierarchise(set, own, progress);
+    surpluses.push_back(toFloats(own));
   }
   return {frame, set, std::move(surpluses)};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,10 +29,12 @@ public:
   };
 
   /// Interpolates `source` at the nodes of `set`, all components. Reads nothing but the nodes (fitted: the cells around
-  /// them), subspace by subspace. Throws hbError where a value is NaN or infinite. O(nodes); 12 bytes a node and
+  /// them), once, in bands across z; `afterBand` may have the pages of a large file forgotten
+  /// (hbNodeSampler::AfterBand). Throws hbError where a value is NaN or infinite. O(nodes); 12 bytes a node and
   /// component at the peak.
   static hbSparseGrid interpolate(const hbField& source, const hbIndexSet& set, hbLatticeMapping mapping,
-                                  hbProgress& progress = hbProgress::none());
+                                  hbProgress& progress = hbProgress::none(),
+                                  const std::function<void(std::int64_t first, std::int64_t last)>& afterBand = {});
 
   /// From the values at the nodes, one array a component in the order of set.subspaces(): for a sparse grid that comes
   /// from a solver. Throws hbError for another length or values that are not finite.

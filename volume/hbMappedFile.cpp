@@ -1,5 +1,6 @@
 #include "volume/hbMappedFile.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -51,3 +52,14 @@ std::shared_ptr<const std::byte> hb::mapFile(const std::filesystem::path& path, 
 void hb::adviseScatteredReads(const std::shared_ptr<const std::byte>& bytes) { advise(bytes, MADV_RANDOM); }
 
 void hb::releasePages(const std::shared_ptr<const std::byte>& bytes) { advise(bytes, MADV_DONTNEED); }
+
+void hb::releasePages(const std::shared_ptr<const std::byte>& bytes, std::uint64_t first, std::uint64_t count) {
+  const auto* mapping = std::get_deleter<Unmap>(bytes);
+  if (mapping == nullptr) return;
+  // Linux maps as much of the file around a byte as lies together in its cache: up to the 2 MB of a huge page.
+  constexpr std::uint64_t kAround = std::uint64_t{2} << 20;
+  auto* start = static_cast<std::byte*>(mapping->address);
+  const std::uint64_t offset = std::uint64_t(bytes.get() - start) + first, length = mapping->length,
+                      from = (offset - std::min(offset, kAround)) / kAround * kAround;
+  if (from < length) ::madvise(start + from, std::min(length, offset + count + kAround) - from, MADV_DONTNEED);
+}

@@ -22,4 +22,8 @@ void adviseScatteredReads(const std::shared_ptr<const std::byte>& bytes);
 /// effect on bytes that mapFile() did not map.
 void releasePages(const std::shared_ptr<const std::byte>& bytes);
 
+/// The same for `count` bytes from `first` on, counted from where `bytes` points to, and what the system mapped around
+/// them: cheaper than all of a large file.
+void releasePages(const std::shared_ptr<const std::byte>& bytes, std::uint64_t first, std::uint64_t count);
+
 } // namespace hb

@@ -66,6 +66,14 @@ void hbVolume::adviseScatteredReads() const { hb::adviseScatteredReads(data_); }
 
 void hbVolume::releasePages() const { hb::releasePages(data_); }
 
+void hbVolume::releasePlanes(std::int64_t first, std::int64_t last) const {
+  const hbSize3 lastSample{geometry_.size.x - 1, geometry_.size.y - 1, last};
+  std::int64_t end = (components_ - 1) * layout_.componentStride + 1;
+  for (int d = 0; d < 3; ++d) end += lastSample[d] * layout_.stride[std::size_t(d)];
+  const std::int64_t begin = first * layout_.stride[2], bytes = hb::sampleBytes(type_);
+  hb::releasePages(data_, std::uint64_t(begin * bytes), std::uint64_t((end - begin) * bytes));
+}
+
 hbValueMap hbVolume::chooseValueMap() const {
   const bool integer = type_ != hbSampleType::float32 && type_ != hbSampleType::float64;
   const bool plain = slope_ == 1.0 && intercept_ == 0.0;
@@ -80,8 +88,8 @@ hbValueMap hbVolume::chooseValueMap() const {
   double lo = std::numeric_limits<double>::infinity();
   double hi = -lo;
   std::vector<double> line(static_cast<std::size_t>(count.x));
-  for (int c = 0; c < components_; ++c)
-    for (std::int64_t k = 0; k < count.z; ++k)
+  for (std::int64_t k = 0; k < count.z; ++k) {
+    for (int c = 0; c < components_; ++c)
       for (std::int64_t j = 0; j < count.y; ++j) {
         if (count.x == geometry_.size.x)
           row(0, at(1, j), at(2, k), c, line);
@@ -93,6 +101,8 @@ hbValueMap hbVolume::chooseValueMap() const {
           hi = std::max(hi, v);
         }
       }
+    if (count != geometry_.size) releasePlanes(at(2, k), at(2, k));
+  }
   if (!(lo <= hi)) return {};
 
   const double largest = std::max(std::abs(lo), std::abs(hi));

@@ -64,6 +64,8 @@ public:
   void adviseScatteredReads() const;
   /// For a volume in a mapped file: forget what was read, so that it does not stay in memory (see hb::releasePages).
   void releasePages() const;
+  /// The same for the planes first <= z <= last, and what lies between their samples.
+  void releasePlanes(std::int64_t first, std::int64_t last) const;
 
   /// How 32-bit floats should stand for the data values (see hbValueMap): the identity, except where floats would take
   /// neighbouring values for one (wide integers, a small signal on a large constant) or do not reach (beyond 1e30).
