@@ -5,8 +5,10 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <tuple>
 #include <vector>
 
+#include "volume/hbLatticeParts.h"
 #include "volume/hbParallel.h"
 
 namespace {
@@ -26,27 +28,24 @@ hbErrorStatistics hb::fieldVolumeDifference(const hbVolume& reference, const hbF
                                             std::optional<double> nonFinite, hbProgress& progress) {
   const hbSize3 size = reference.geometry().size;
   assert(field.geometry().size == size);
-  const auto xs = reference.geometry().cubeCoordinates(0), ys = reference.geometry().cubeCoordinates(1),
-             zs = reference.geometry().cubeCoordinates(2);
+  const hbGeometry& geometry = reference.geometry();
+  const hbLatticeParts parts(geometry.cubeCoordinates(0), geometry.cubeCoordinates(1), geometry.cubeCoordinates(2));
   const hbValueMap map = field.valueMap();
-  // Slabs of some ten thousand samples: rows enough for a thread, memory little.
-  const std::int64_t rows = std::clamp<std::int64_t>(65536 / size.x, 1, size.y), slabs = (size.y + rows - 1) / rows;
-  progress.begin("measuring errors", size.z * slabs, "slabs");
-  return inParts(size.z * slabs, [&](std::int64_t part) {
-    const std::int64_t z = part / slabs, y0 = part % slabs * rows, count = std::min(rows, size.y - y0);
-    std::vector<float> found(std::size_t(size.x * count));
+  progress.begin("measuring errors", size.x * size.y * size.z, "samples");
+  return inParts(parts.count(), [&](std::int64_t index) {
+    const hbLatticeParts::Part part = parts.part(index);
+    std::vector<float> found(std::size_t(parts.samples(part)));
     std::vector<double> truth(static_cast<std::size_t>(size.x));
-    field.lattice(xs, {ys.data() + y0, std::size_t(count)}, {zs.data() + z, 1}, component, found.data(),
-                  std::size_t(size.x), found.size());
+    parts.evaluate(field, component, part, found.data());
     hbErrorStatistics errors;
-    for (std::int64_t y = 0; y < count; ++y) {
-      reference.row(0, y0 + y, z, component, truth);
+    for (std::int64_t row = 0; row < part.planes * part.rows; ++row) {
+      reference.row(0, part.y + row % part.rows, part.z + row / part.rows, component, truth);
       for (std::size_t x = 0; x < truth.size(); ++x) {
         const double value = nonFinite && !std::isfinite(truth[x]) ? *nonFinite : truth[x];
-        errors.add(value, map.toTrue(found[x + std::size_t(y * size.x)]));
+        errors.add(value, map.toTrue(found[x + std::size_t(row * size.x)]));
       }
     }
-    progress.advance(1);
+    progress.advance(parts.samples(part));
     return errors;
   });
 }
@@ -72,32 +71,44 @@ hbErrorStatistics hb::randomSampleDifference(const hbVolume& reference,
                                              int component, std::int64_t points, std::optional<double> nonFinite,
                                              hbProgress& progress) {
   const hbSize3 size = reference.geometry().size;
-  // A sample costs a page of a mapped file: two parts at a time are 64 MB.
-  constexpr std::int64_t kPartsBetweenReleases = 2;
-  const std::int64_t parts = (points + kPart - 1) / kPart;
+  // A sample may cost the 2 MB of a file that the system maps at once. In the order of the file, few are mapped at a
+  // time.
+  constexpr std::size_t kBetweenReleases = 32;
   progress.begin("measuring errors", points, "samples");
-  hbErrorStatistics sum;
-  for (std::int64_t first = 0; first < parts; first += kPartsBetweenReleases) {
-    sum.merge(inParts(std::min(kPartsBetweenReleases, parts - first), [&](std::int64_t offset) {
-      const std::int64_t part = first + offset, own = std::min(kPart, points - part * kPart);
-      Random random(part);
-      hbErrorStatistics errors;
-      for (std::int64_t i = 0; i < own; ++i) {
-        hbSize3 sample;
-        glm::dvec3 place;
-        for (int d = 0; d < 3; ++d) {
-          sample[d] = std::int64_t(random.unit() * double(size[d]));
-          place[d] = size[d] == 1 ? 0.5 : double(sample[d]) / double(size[d] - 1);
-        }
-        const double truth = reference.value(sample.x, sample.y, sample.z, component);
-        errors.add(nonFinite && !std::isfinite(truth) ? *nonFinite : truth, valueAt(place));
+  return inParts((points + kPart - 1) / kPart, [&](std::int64_t part) {
+    struct Draw {
+      hbSize3 sample{0};
+      double truth = 0.0;
+    };
+    std::vector<Draw> draws(std::size_t(std::min(kPart, points - part * kPart)));
+    Random random(part);
+    for (Draw& draw : draws)
+      for (int d = 0; d < 3; ++d) draw.sample[d] = std::int64_t(random.unit() * double(size[d]));
+
+    std::vector<Draw*> ordered;
+    for (Draw& draw : draws) ordered.push_back(&draw);
+    std::sort(ordered.begin(), ordered.end(), [](const Draw* a, const Draw* b) {
+      const hbSize3 &p = a->sample, &q = b->sample;
+      return std::tie(p.z, p.y, p.x) < std::tie(q.z, q.y, q.x);
+    });
+    for (std::size_t first = 0; first < ordered.size(); first += kBetweenReleases) {
+      const std::size_t end = std::min(first + kBetweenReleases, ordered.size());
+      for (std::size_t i = first; i < end; ++i) {
+        const hbSize3& sample = ordered[i]->sample;
+        ordered[i]->truth = reference.value(sample.x, sample.y, sample.z, component);
       }
-      progress.advance(own);
-      return errors;
-    }));
-    reference.releasePages();
-  }
-  return sum;
+      reference.releasePlanes(ordered[first]->sample.z, ordered[end - 1]->sample.z);
+    }
+
+    hbErrorStatistics errors;
+    for (const auto& [sample, truth] : draws) {
+      glm::dvec3 place;
+      for (int d = 0; d < 3; ++d) place[d] = size[d] == 1 ? 0.5 : double(sample[d]) / double(size[d] - 1);
+      errors.add(nonFinite && !std::isfinite(truth) ? *nonFinite : truth, valueAt(place));
+    }
+    progress.advance(std::int64_t(draws.size()));
+    return errors;
+  });
 }
 
 hbErrorStatistics hb::fieldDifference(const hbField& reference, const hbField& field, int component,

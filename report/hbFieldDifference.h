@@ -15,14 +15,15 @@ namespace hb {
 
 /// The errors of a field against every sample of the volume it stands for, in true data values. NaN and infinite
 /// samples count as `nonFinite` where it is given. The field is asked for whole lattices, at the samples' exact places.
-/// Threads take slabs; the outcome does not depend on their number. `field.geometry()` must have the volume's sizes.
+/// Threads take parts (hbLatticeParts); the outcome does not depend on their number. `field.geometry()` must have the
+/// volume's sizes.
 hbErrorStatistics fieldVolumeDifference(const hbVolume& reference, const hbField& field, int component,
                                         std::optional<double> nonFinite = std::nullopt,
                                         hbProgress& progress = hbProgress::none());
 
 /// The same at `points` random samples of a volume too large to be read whole, the same ones every time; a sample may
 /// be drawn twice. `valueAt` gives the true data value at a point of the cube and is called by several threads. Of a
-/// mapped volume, what was read is released now and then, so that memory stays bounded.
+/// mapped volume, 32 samples a thread are in memory at a time, with the up to 2 MB that the system maps around each.
 hbErrorStatistics randomSampleDifference(const hbVolume& reference,
                                          const std::function<double(const glm::dvec3& point)>& valueAt, int component,
                                          std::int64_t points, std::optional<double> nonFinite = std::nullopt,
