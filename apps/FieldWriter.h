@@ -1,16 +1,19 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "apps/Program.h"
 #include "volume/hbField.h"
+#include "volume/hbSubLattice.h"
 
 namespace app {
 
-/// Writes a field's true values at the samples of `geometry` (any sizes, on the field's cube) as a volume file of
-/// float32, or float64 where the field's value map needs it. Slab by slab: memory for one of them, checked
-/// before work starts. Throws hbError.
-void writeField(const hbField& field, const hbGeometry& geometry, const std::filesystem::path& path,
-                const CommonOptions& common);
+/// Writes a field's true values at the places of `lattice` (of the field's geometry) as a volume file of float32, or
+/// float64 where the field's value map needs it. Slab by slab, each written while the next one is evaluated: two slabs
+/// of 24 MB, or of a row where that is more, and half as much again for several components or a value map. Memory is
+/// checked before work starts. Returns the bytes of all samples. Throws hbError.
+std::uint64_t writeField(const hbField& field, const hbSubLattice& lattice, const std::filesystem::path& path,
+                         const CommonOptions& common);
 
 } // namespace app

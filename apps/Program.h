@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -65,6 +66,10 @@ struct InputOptions {
 
 /// "AxBxC" with `count` positive numbers, or one number for all where `count` is 3; throws hbError naming `option`.
 std::vector<std::int64_t> parseSizes(const std::string& text, std::size_t count, const std::string& option);
+
+/// "X0:X1,Y0:Y1,Z0:Z1", numbers of samples from 0 on; first all the first ones, then the last ones. Throws hbError
+/// naming `option` for anything else, and for a last one before its first.
+std::pair<hbSize3, hbSize3> parseBox(const std::string& text, const std::string& option);
 
 /// "a,b,c": finite numbers; throws hbError naming `option` unless there are `least` to `most`.
 std::vector<double> parseNumbers(const std::string& text, std::size_t least, std::size_t most,

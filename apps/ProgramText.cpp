@@ -45,6 +45,23 @@ std::vector<std::int64_t> parseSizes(const std::string& text, std::size_t count,
   return *sizes;
 }
 
+std::pair<hbSize3, hbSize3> parseBox(const std::string& text, const std::string& option) {
+  hbSize3 first(0), last(0);
+  std::size_t at = 0;
+  bool valid = true;
+  for (int d = 0; d < 3; ++d) {
+    const std::size_t end = d < 2 ? std::min(text.find(',', at), text.size()) : text.size();
+    const auto ends = split<std::int64_t>(text.substr(at, end - at), ':');
+    valid = valid && ends && ends->size() == 2 && 0 <= ends->front() && ends->front() <= ends->back();
+    if (valid) first[d] = ends->front(), last[d] = ends->back();
+    at = std::min(end + 1, text.size());
+  }
+  if (!valid)
+    throw hbError(
+        fmt::format("{}: expected samples from 0 on, first:last, such as 0:64,10:20,5:5, found '{}'", option, text));
+  return {first, last};
+}
+
 std::vector<double> parseNumbers(const std::string& text, std::size_t least, std::size_t most,
                                  const std::string& option) {
   const auto numbers = split<double>(text, ',');

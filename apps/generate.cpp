@@ -36,7 +36,7 @@ void writeAnalytic(const Options& options, const std::shared_ptr<const hbAnalyti
                    const app::CommonOptions& common) {
   const hbSize3 size = field->geometry().size;
   const auto start = std::chrono::steady_clock::now();
-  app::writeField(*field, field->geometry(), options.out, common);
+  app::writeField(*field, hbSubLattice(field->geometry()), options.out, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   fmt::print("{}: {} x {} x {} float32 samples of {}\n", options.out, size.x, size.y, size.z, field->specification());
   common.writeStats(

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include "volume/hbError.h"
@@ -207,6 +208,11 @@ void hbVolumeStream::write(std::span<const std::byte> samples) {
     throw hbError(fmt::format("{}: expected {} bytes of samples, found more", output_.target().string(), bytes_));
   put(samples.data(), samples.size());
   written_ += samples.size();
+  // The disk may begin now, not when everything is there; whether it managed, commit() asks.
+  constexpr std::uint64_t kEnough = std::uint64_t{16} << 20;
+  if (written_ - begun_ < kEnough) return;
+  ::sync_file_range(::fileno(file_.get()), std::int64_t(begun_), 0, SYNC_FILE_RANGE_WRITE);
+  begun_ = written_;
 }
 
 void hbVolumeStream::commit() {

@@ -48,5 +48,6 @@ private:
   std::unique_ptr<std::FILE, Closer> file_;
   std::uint64_t bytes_ = 0;
   std::uint64_t written_ = 0;
+  std::uint64_t begun_ = 0; ///< Of those, what the disk was told to write.
   std::string footer_;
 };

@@ -1,6 +1,14 @@
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <random>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "raycast/hbInput.h"
 #include "tests/apps/hbAppTest.h"
+#include "volume/hbSubLattice.h"
 #include "volume/hbVolumeReader.h"
 
 class extract : public hbAppTest {};
@@ -15,6 +23,10 @@ TEST_F(extract, GivesBackEverySampleOfAnAlignedFullSet) {
   EXPECT_RUNS(made);
   EXPECT_EQ(json("s.json")["samples"], 13 * 10 * 7);
   EXPECT_TRUE(json("s.json")["seconds"].is_number());
+  EXPECT_EQ(json("s.json")["bytes"], 13 * 10 * 7 * 4);
+  EXPECT_GE(json("s.json")["memory_growth_bytes"], 0);
+  EXPECT_FALSE(json("s.json").contains("box"));
+  EXPECT_FALSE(json("s.json").contains("lod"));
   const hbVolume before = hb::readVolume(folder_ / "v.nrrd"), after = hb::readVolume(folder_ / "e.nrrd");
   ASSERT_EQ(after.geometry(), before.geometry());
   for (int z = 0; z < 7; ++z)
@@ -41,6 +53,117 @@ TEST_F(extract, KeepsTheBoxAtAnotherSize) {
   }
 }
 
+TEST_F(extract, WritesWhatTheFieldIsInMemory) {
+  // One component and several, a flat axis, values that need a map, and planes enough for several parts.
+  writeVolume<float>("one.nrrd", {33, 20, 17}, 1,
+                     [](auto x, auto y, auto z, int) { return std::sin(0.3 * double(x * y + z)); });
+  writeVolume<std::int16_t>("three.nrrd", {9, 12, 1}, 3,
+                            [](auto x, auto y, auto, int c) { return double(x * x - 7 * y + 100 * c); });
+  writeVolume<std::int32_t>("wide.nrrd", {6, 5, 40}, 2,
+                            [](auto x, auto y, auto z, int c) { return 1e9 + double(x + 3 * y - z * c); });
+  using Lattice = hbSubLattice;
+  struct Choice {
+    std::vector<std::string> options;
+    std::function<Lattice(const Lattice&)> lattice;
+  };
+  const std::vector<Choice> choices{{{}, [](const Lattice& all) { return all; }},
+                                    {{"--box", "2:5,1:4,0:0"},
+                                     [](const Lattice& all) {
+                                       return all.box({2, 1, 0}, {5, 4, 0});
+                                     }},
+                                    {{"--lod", "1"}, [](const Lattice& all) { return all.thinned(1); }},
+                                    {{"--lod", "15"}, [](const Lattice& all) { return all.thinned(15); }},
+                                    {{"--size", "7x11x1"},
+                                     [](const Lattice& all) {
+                                       return all.resized({7, 11, 1});
+                                     }},
+                                    {{"--lod", "2", "--box", "0:5,2:4,0:0"},
+                                     [](const Lattice& all) {
+                                       return all.box({0, 2, 0}, {5, 4, 0}).thinned(2);
+                                     }},
+                                    {{"--size", "3x5x1", "--box", "1:5,1:4,0:0"}, [](const Lattice& all) {
+                                       return all.box({1, 1, 0}, {5, 4, 0}).resized({3, 5, 1});
+                                     }}};
+  for (const char* name : {"one", "three", "wide"}) {
+    const std::string file = std::string(name) + ".hbv";
+    EXPECT_RUNS(run({"compress", std::string(name) + ".nrrd", file}));
+    const hbInput input = hbInput::open(path(file), {});
+    const auto field = input.field(hbEngine::direct);
+    for (const Choice& choice : choices) {
+      std::vector<std::string> arguments{"extract", file, "e.nrrd"};
+      arguments.insert(arguments.end(), choice.options.begin(), choice.options.end());
+      EXPECT_RUNS(run(arguments));
+      const hbSubLattice lattice = choice.lattice(hbSubLattice(input.geometry()));
+      const hbVolume made = hb::readVolume(folder_ / "e.nrrd");
+      const hbSize3 size = lattice.size();
+      ASSERT_EQ(made.geometry(), lattice.geometry());
+      ASSERT_EQ(made.components(), field->components());
+      const auto xs = lattice.cubeCoordinates(0), ys = lattice.cubeCoordinates(1), zs = lattice.cubeCoordinates(2);
+      for (int c = 0; c < made.components(); ++c) {
+        std::vector<float> expected(std::size_t(size.x * size.y * size.z));
+        field->lattice(xs, ys, zs, c, expected.data(), xs.size(), xs.size() * ys.size());
+        std::size_t i = 0;
+        for (std::int64_t z = 0; z < size.z; ++z)
+          for (std::int64_t y = 0; y < size.y; ++y)
+            for (std::int64_t x = 0; x < size.x; ++x, ++i)
+              ASSERT_EQ(made.value(x, y, z, c), field->valueMap().toTrue(expected[i]))
+                  << fmt::format("{}", fmt::join(arguments, " "));
+      }
+    }
+  }
+}
+
+TEST_F(extract, BoxesAndLevelsOfDetailAreSamplesOfTheVolume) {
+  // Random boxes of random volumes: the same values at the same places of the world.
+  std::mt19937 random(4);
+  const auto below = [&](std::int64_t count) { return std::int64_t(random() % std::uint32_t(count)); };
+  for (int round = 0; round < 12; ++round) {
+    const hbSize3 size{1 + below(20), 1 + below(20), 1 + below(20)};
+    write("v.nhdr", fmt::format("NRRD0005\ntype: uint8\ndimension: 3\nsizes: {} {} {}\nspace dimension: 3\n"
+                                "space directions: (0,2,0) (0,0,3) (-4,0,0)\nspace origin: (10,20,30)\n"
+                                "encoding: raw\ndata file: v.raw\n",
+                                size.x, size.y, size.z));
+    std::string samples(std::size_t(size.x * size.y * size.z), '\0');
+    for (char& sample : samples) sample = char(below(256));
+    write("v.raw", samples);
+    hbSize3 first, last, step;
+    const int lod = int(below(4));
+    for (int d = 0; d < 3; ++d) {
+      first[d] = below(size[d]);
+      last[d] = first[d] + below(size[d] - first[d]);
+      step[d] = std::clamp<std::int64_t>(last[d] - first[d], 1, 1 << lod);
+    }
+    const std::string box = fmt::format("{}:{},{}:{},{}:{}", first.x, last.x, first.y, last.y, first.z, last.z);
+    EXPECT_RUNS(run({"extract", "v.nhdr", "e.nrrd", "--box", box, "--lod", std::to_string(lod), "--stats", "s.json"}));
+    EXPECT_EQ(json("s.json")["box"], box);
+    EXPECT_EQ(json("s.json")["lod"], lod);
+    const hbVolume source = hb::readVolume(folder_ / "v.nhdr"), made = hb::readVolume(folder_ / "e.nrrd");
+    ASSERT_EQ(made.geometry().size, (last - first) / step + std::int64_t{1}) << box;
+    const auto world = [](const hbVolume& volume, const hbSize3& sample) {
+      const hbGeometry& g = volume.geometry();
+      return g.origin + g.direction * (g.spacing * glm::dvec3(sample));
+    };
+    const hbSize3 count = made.geometry().size;
+    for (std::int64_t z = 0; z < count.z; ++z)
+      for (std::int64_t y = 0; y < count.y; ++y)
+        for (std::int64_t x = 0; x < count.x; ++x) {
+          const hbSize3 k{x, y, z}, there = first + step * k;
+          ASSERT_EQ(made.value(x, y, z), source.value(there.x, there.y, there.z)) << box;
+          ASSERT_EQ(world(made, k), world(source, there)) << box; // whole numbers throughout
+        }
+  }
+}
+
+TEST_F(extract, NeedsTheMemoryOfTwoSlabs) {
+  EXPECT_RUNS(run({"compress", "field:smooth,size=320", "v.hbv", "--level", "3", "--measure", "none"}));
+  EXPECT_RUNS(run({"extract", "v.hbv", "e.nrrd", "--size", "320", "--stats", "s.json"}));
+  EXPECT_EQ(json("s.json")["bytes"], 320 * 320 * 320 * 4);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // their own memory is counted, too
+  // 125 MB of samples, two slabs of 24 MB, and what the threads' stacks and a row of the grid take.
+  EXPECT_LT(json("s.json")["memory_growth_bytes"], std::int64_t{60} << 20);
+#endif
+}
+
 TEST_F(extract, RefusesBadInputAndSizes) {
   writeVolume<float>("v.nrrd", {3, 3, 3}, 1, [](auto x, auto, auto, int) { return double(x); });
   write("damaged.hbv", "no container at all");
@@ -48,4 +171,16 @@ TEST_F(extract, RefusesBadInputAndSizes) {
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--size", "0x5x5"}, 1, "--size");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--size", "1048576"}, 1, "2^60");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--sizes", "5"}, 2, "--sizes");
+  for (const char* box : {"0:1,0:1", "0:1,0:1,0:1,0:1", "0:1,0:1,0", "a:b,0:1,0:1", "0:1,0:1,-1:1", "0:1,2:1,0:1",
+                          "0:1:2,0:1,0:1", "0:1,0:1,", "0 :1,0:1,0:1"})
+    expectFailureLeavesAll(
+        {"extract", "none.nrrd", "x.nrrd", "--box", box}, 1,
+        fmt::format("--box: expected samples from 0 on, first:last, such as 0:64,10:20,5:5, found '{}'", box));
+  expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--box", "0:1,0:3,0:1"}, 1,
+                         "v.nrrd: --box: expected first:last from 0:0 to 2:2 along y, found 0:3");
+  expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--box", "0:1,0:1,1:1", "--size", "5"}, 1,
+                         "v.nrrd: --size: expected 1 along z, where the box has one sample, found 5");
+  expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "16"}, 2, "--lod");
+  expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "-1"}, 2, "--lod");
+  expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "1", "--size", "5"}, 2, "--lod");
 }
