@@ -156,6 +156,9 @@ TEST_F(extract, BoxesAndLevelsOfDetailAreSamplesOfTheVolume) {
 
 TEST_F(extract, NeedsTheMemoryOfTwoSlabs) {
   EXPECT_RUNS(run({"compress", "field:smooth,size=320", "v.hbv", "--level", "3", "--measure", "none"}));
+  hbProgramRun::Conditions full;
+  full.fileBytes = std::uint64_t{40} << 20; // the second slab does not fit
+  expectFailureLeavesAll({"extract", "v.hbv", "e.nrrd", "--size", "320"}, 1, "e.nrrd: cannot be written", full);
   EXPECT_RUNS(run({"extract", "v.hbv", "e.nrrd", "--size", "320", "--stats", "s.json"}));
   EXPECT_EQ(json("s.json")["bytes"], 320 * 320 * 320 * 4);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // their own memory is counted, too
