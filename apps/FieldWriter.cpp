@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <span>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "volume/hbLatticeParts.h"
@@ -35,22 +34,20 @@ void write(const hbField& field, const hbLatticeParts& parts, std::int64_t sampl
            hbProgress& progress) {
   const std::int64_t count = parts.count(), components = field.components(),
                      perSlab = std::max<std::int64_t>(1, samplesPerSlab / parts.samples(parts.part(0)));
-  std::vector<Sample> slab, before; // the one before is written meanwhile
+  std::vector<Sample> slab;
   progress.begin("writing", parts.size().x * parts.size().y * parts.size().z, "samples");
   for (std::int64_t first = 0; first < count; first += perSlab) {
     const std::int64_t own = std::min(perSlab, count - first);
     const hbLatticeParts::Part last = parts.part(first + own - 1);
     const std::int64_t begin = parts.samplesBefore(parts.part(first));
     slab.resize(std::size_t((parts.samplesBefore(last) + parts.samples(last) - begin) * components));
-    hb::parallelFor(own + 1, [&](std::int64_t task) {
-      if (task == 0) return stream.write(std::as_bytes(std::span(before)));
-      const hbLatticeParts::Part part = parts.part(first + task - 1);
+    hb::parallelFor(own, [&](std::int64_t index) {
+      const hbLatticeParts::Part part = parts.part(first + index);
       evaluate(field, parts, part, slab.data() + (parts.samplesBefore(part) - begin) * components);
       progress.advance(parts.samples(part));
     });
-    std::swap(slab, before);
+    stream.write(std::as_bytes(std::span(slab)));
   }
-  stream.write(std::as_bytes(std::span(before)));
 }
 
 } // namespace
@@ -65,7 +62,7 @@ std::uint64_t app::writeField(const hbField& field, const hbSubLattice& lattice,
   const hbSize3 size = geometry.size;
   const std::int64_t perSlab = std::max(size.x, kSlabBytes / sampleBytes);
   const double slab = std::min(double(geometry.samples()), double(perSlab));
-  common.checkMemory(double(size.x + size.y + size.z) * sizeof(double) + 2.0 * slab * double(sampleBytes) +
+  common.checkMemory(double(size.x + size.y + size.z) * sizeof(double) + slab * double(sampleBytes) +
                          (wide || components > 1 ? slab * sizeof(float) : 0.0),
                      path.string());
   const hbLatticeParts parts(lattice.cubeCoordinates(0), lattice.cubeCoordinates(1), lattice.cubeCoordinates(2),

@@ -10,9 +10,9 @@
 namespace app {
 
 /// Writes a field's true values at the places of `lattice` (of the field's geometry) as a volume file of float32, or
-/// float64 where the field's value map needs it. Slab by slab, each written while the next one is evaluated: two slabs
-/// of 24 MB, or of a row where that is more, and half as much again for several components or a value map. Memory is
-/// checked before work starts. Returns the bytes of all samples. Throws hbError.
+/// float64 where the field's value map needs it. Slab by slab: memory for one of 24 MB, or for a row where that is
+/// more, and half as much again for several components or a value map, checked before work starts. Returns the bytes of
+/// all samples. Throws hbError.
 std::uint64_t writeField(const hbField& field, const hbSubLattice& lattice, const std::filesystem::path& path,
                          const CommonOptions& common);
 

@@ -79,7 +79,7 @@ void addExtract(CLI::App& program, const app::CommonOptions& common, app::Work& 
   auto options = std::make_shared<Options>();
   CLI::App* command =
       program.add_subcommand("extract", "Writes a compressed volume (or anything else) back as a plain one, slab by "
-                                        "slab: about 50 MB beside the input, however large it is");
+                                        "slab: some 30 MB beside the input, however large it is");
   options->input.addTo(*command);
   command->add_option("OUT", options->out, "The volume to write: .nrrd, .vti, or .raw named as stem_XxYxZ_float32.raw")
       ->required()
