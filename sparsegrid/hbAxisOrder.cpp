@@ -32,7 +32,7 @@ hbAxisOrder hbAxisOrder::cheapest(const hbIndexSet& set, const hbSize3& samples)
         rows = double(nodes[order.row]);
         sums += double(nodes[order.fast]) * rows * double(plane) * kSurplus;
       }
-      if (fast - 1 > hbLatticeParts::kTableLevel || row == 0)
+      if (fast - 1 > hbLatticeTableParts::kTableLevel || row == 0)
         coarse += rows * (std::exp2(fast) * kNode + size(order.fast) * kCoarseSample);
     }
     const double each = order.fast == natural.fast ? kSample : kSample + kScattered;

@@ -20,7 +20,7 @@ hbLatticeBlocks::hbLatticeBlocks(const hbSparseGrid& grid, int component, const 
       besideRow_.back().push_back(blocks_.size());
       blocks_.push_back(std::move(block));
     }
-    if (int(besideRow_.back().size()) > hbLatticeParts::kTableLevel + 1) split_ = row + 1;
+    if (int(besideRow_.back().size()) > hbLatticeTableParts::kTableLevel + 1) split_ = row + 1;
   }
 }
 

@@ -25,7 +25,7 @@ public:
   /// The indices of the blocks beside one level of the row axis, by level of the fast axis from 0 on.
   const std::vector<std::size_t>& besideRow(std::size_t level) const { return besideRow_[level]; }
   /// The first level of the row axis beside which the fast axis is so coarse, and stays so, that rows are made from
-  /// tables (hbLatticeParts::kTableLevel); at least 1.
+  /// tables (hbLatticeTableParts::kTableLevel); at least 1.
   int split() const { return split_; }
 
   bool flat(int axis) const { return grid_.indexSet().flat()[axis]; }

@@ -28,7 +28,7 @@ void hbLatticeEvaluator::sumPlanes(const hbLatticePlanOf<Real>& plan, double w,
   hat.evaluate(blocks_.place(w, order().plane), blocks_.flat(order().plane),
                blocks_.grid().indexSet().finest()[order().plane]);
   const double scale = blocks_.grid().latticeScale()[order().plane];
-  workspace.sums.resize(std::max(workspace.sums.size(), std::size_t(plan.sums) + hbLatticeParts::kPastSums));
+  workspace.sums.resize(std::max(workspace.sums.size(), std::size_t(plan.sums) + hbLatticeTableParts::kPastSums));
   std::vector<hbLatticeTerm>& terms = workspace.terms;
   for (const auto& window : plan.windows) {
     const hbLatticeBlocks::Block& block = blocks_.block(window.block);
@@ -137,7 +137,7 @@ void hbLatticeEvaluator::plane(const hbLatticePlanOf<Real>& plan, double w, hbLa
   if (quantity == Quantity::slopeRow)
     rows.coarseSlope = Real(blocks_.grid().latticeScale()[order().row] * std::ldexp(1.0, int(plan.coarse.size()) - 1));
   if (quantity == Quantity::slopeFast)
-    rows.tableSlope = Real(blocks_.grid().latticeScale()[order().fast] * double(hbLatticeParts::kTableCells));
+    rows.tableSlope = Real(blocks_.grid().latticeScale()[order().fast] * double(hbLatticeTableParts::kTableCells));
   hb::latticeRows(rows, pastCaches ? aligned(workspace.buffer, rowStride(plan.size)) : nullptr, out, strideRow);
 }
 

@@ -103,7 +103,8 @@ void hbLatticePlanOf<Real>::addFine(const hbLatticeBlocks& blocks, int begin) {
   slots = row.size() - std::size_t(begin);
   const std::size_t levels = std::min(blocks.besideRow(std::size_t(begin)).size(), fast.size());
   for (std::size_t f = 0; f < levels; ++f) {
-    hbLatticeParts::Level level{hbIndexSet::axisNodes(blocks.flat(blocks.order().fast), int(f)), parts.parts.size(), 0};
+    hbLatticeTableParts::Level level{hbIndexSet::axisNodes(blocks.flat(blocks.order().fast), int(f)),
+                                     parts.parts.size(), 0};
     for (std::size_t slot = 0; slot < slots; ++slot) {
       const std::vector<std::size_t>& beside = blocks.besideRow(std::size_t(begin) + slot);
       if (f >= beside.size()) break;
@@ -134,7 +135,7 @@ void hbLatticePlanOf<Real>::placeAlongFast(const std::vector<double>& at) {
     }
   }
   if (slots == 0) return;
-  const double cells = cellsOf(hbLatticeParts::kTableLevel);
+  const double cells = cellsOf(hbLatticeTableParts::kTableLevel);
   tableCell.resize(size);
   tableStep.resize(size);
   for (std::size_t i = 0; i < size; ++i) {

@@ -57,7 +57,7 @@ struct hbLatticePlanOf {
   std::int64_t firstNode = 0;          ///< from this one on (counted from its cells' begin).
   std::vector<std::int32_t> cell;      ///< Of each row: its cell between coarse rows,
   std::vector<Real> step;              ///< and the step within it.
-  hbLatticeParts parts;                ///< The fine part.
+  hbLatticeTableParts parts;           ///< The fine part.
   std::size_t slots = 0;               ///< Levels of the row axis in the fine part.
   std::vector<std::int32_t> node;      ///< [row][slot], in the part's window.
   std::vector<double> weight;          ///< [row][slot]

@@ -66,7 +66,7 @@ struct alignas(64) Table {
   Real at[2 * cells];
 };
 template <class Real>
-using RowTable = Table<Real, hbLatticeParts::kTableCells>;
+using RowTable = Table<Real, hbLatticeTableParts::kTableCells>;
 
 /// Longer lines are looked up in memory.
 constexpr int kLineCells = 32;
@@ -95,7 +95,7 @@ struct LookUp {
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
 // (Highway 1.0 has no look-up in two registers.)
 template <>
-struct LookUp<float, hbLatticeParts::kTableCells> {
+struct LookUp<float, hbLatticeTableParts::kTableCells> {
   using V = hn::Vec<hn::ScalableTag<float>>;
   __m512 begins, ends;
   HWY_INLINE explicit LookUp(const RowTable<float>& from)
@@ -121,7 +121,7 @@ struct LookUp<float, kLineCells> {
 };
 #elif HWY_TARGET == HWY_AVX2
 template <>
-struct LookUp<float, hbLatticeParts::kTableCells> {
+struct LookUp<float, hbLatticeTableParts::kTableCells> {
   using V = hn::Vec<hn::ScalableTag<float>>;
   __m256 begins[2], ends[2];
   HWY_INLINE explicit LookUp(const RowTable<float>& from)
@@ -141,7 +141,7 @@ struct LookUp<float, hbLatticeParts::kTableCells> {
 /// What the hierarchical values of a line (the two ends, then level by level) give at both ends of the table's cells.
 template <class Real>
 struct alignas(64) TableWeights {
-  static constexpr int kNodes = hbLatticeParts::kTableCells + 1, kEntries = 2 * hbLatticeParts::kTableCells;
+  static constexpr int kNodes = hbLatticeTableParts::kTableCells + 1, kEntries = 2 * hbLatticeTableParts::kTableCells;
   Real at[kNodes][kEntries];
 
   constexpr TableWeights() : at{} {
@@ -149,7 +149,7 @@ struct alignas(64) TableWeights {
       const int node = entry < kEntries / 2 ? entry : entry - kEntries / 2 + 1;
       at[0][entry] = Real(kEntries / 2 - node) / Real(kEntries / 2);
       at[1][entry] = Real(node) / Real(kEntries / 2);
-      for (int level = 1, value = 2; level <= hbLatticeParts::kTableLevel; ++level)
+      for (int level = 1, value = 2; level <= hbLatticeTableParts::kTableLevel; ++level)
         for (int k = 0; k < 1 << (level - 1); ++k, ++value) {
           const int width = kEntries / 2 >> level, distance = node - (2 * k + 1) * width;
           const int inside = width - (distance < 0 ? -distance : distance);
@@ -164,20 +164,20 @@ constexpr TableWeights<Real> kTableWeights;
 template <class Real>
 HWY_INLINE void fillTable(const hbLatticeRowsOf<Real>& rows, std::size_t row, RowTable<Real>& table) {
   constexpr std::size_t kPast = 8; // a vector of doubles at the most
-  static_assert(kPast <= hbLatticeParts::kPastSums && hn::MaxLanes(Wide()) <= kPast);
+  static_assert(kPast <= hbLatticeTableParts::kPastSums && hn::MaxLanes(Wide()) <= kPast);
   const Wide wide;
   const auto lanes = std::int64_t(hn::Lanes(wide));
-  const hbLatticeParts& parts = *rows.parts;
+  const hbLatticeTableParts& parts = *rows.parts;
   const std::int32_t* node = rows.node + row * rows.slots;
   const double* weight = rows.weight + row * rows.slots;
-  Real values[hbLatticeParts::kTableCells + 1 + kPast];
+  Real values[hbLatticeTableParts::kTableCells + 1 + kPast];
   std::int64_t count = 0;
-  for (const hbLatticeParts::Level& level : parts.levels) {
+  for (const hbLatticeTableParts::Level& level : parts.levels) {
     // Whole vectors: what lies past a short array is read, and its sum overwritten by the next level's.
     for (std::int64_t i = 0; i < level.count; i += lanes) {
       auto total = hn::Zero(wide);
       for (std::size_t p = level.begin; p < level.end; ++p) {
-        const hbLatticeParts::Part& part = parts.parts[p];
+        const hbLatticeTableParts::Part& part = parts.parts[p];
         const double* from = rows.sums + part.offset + node[part.slot] * level.count + i;
         total = hn::Add(total, hn::Mul(hn::Set(wide, weight[part.slot]), hn::LoadU(wide, from)));
       }
@@ -187,16 +187,16 @@ HWY_INLINE void fillTable(const hbLatticeRowsOf<Real>& rows, std::size_t row, Ro
   }
   if (count == 1) values[count++] = values[0]; // a flat axis
 
-  const hn::CappedTag<Real, 2 * hbLatticeParts::kTableCells> d;
-  for (std::size_t i = 0; i < 2 * hbLatticeParts::kTableCells; i += hn::Lanes(d)) {
+  const hn::CappedTag<Real, 2 * hbLatticeTableParts::kTableCells> d;
+  for (std::size_t i = 0; i < 2 * hbLatticeTableParts::kTableCells; i += hn::Lanes(d)) {
     auto total = hn::Mul(hn::Set(d, values[0]), hn::Load(d, kTableWeights<Real>.at[0] + i));
     for (std::int64_t v = 1; v < count; ++v)
       total = hn::Add(total, hn::Mul(hn::Set(d, values[v]), hn::Load(d, kTableWeights<Real>.at[v] + i)));
     hn::Store(total, d, table.at + i);
   }
   if (rows.tableSlope == Real(0)) return;
-  for (int c = 0; c < hbLatticeParts::kTableCells; ++c) {
-    Real &begin = table.at[c], &end = table.at[c + hbLatticeParts::kTableCells];
+  for (int c = 0; c < hbLatticeTableParts::kTableCells; ++c) {
+    Real &begin = table.at[c], &end = table.at[c + hbLatticeTableParts::kTableCells];
     begin = end = rows.tableSlope * (end - begin);
   }
 }
@@ -236,7 +236,7 @@ HWY_INLINE void wholeRow(const CoarseRow<Real>& coarse, const RowTable<Real>& ta
                          Real* out) {
   const hn::ScalableTag<Real> d;
   const std::size_t lanes = hn::Lanes(d), size = rows.size;
-  const LookUp<Real, hbLatticeParts::kTableCells> look(table);
+  const LookUp<Real, hbLatticeTableParts::kTableCells> look(table);
   const std::int32_t* cell = rows.cell;
   const Real* step = rows.step;
   std::size_t i = 0;
@@ -244,7 +244,7 @@ HWY_INLINE void wholeRow(const CoarseRow<Real>& coarse, const RowTable<Real>& ta
     hn::StoreU(hn::Add(coarse.at(i), withinCell(look, cell + i, step + i)), d, out + i);
   for (; i < size; ++i) {
     const Real* const at = table.at + cell[i];
-    out[i] = coarse.one(i) + ((Real(1) - step[i]) * at[0] + step[i] * at[hbLatticeParts::kTableCells]);
+    out[i] = coarse.one(i) + ((Real(1) - step[i]) * at[0] + step[i] * at[hbLatticeTableParts::kTableCells]);
   }
 }
 

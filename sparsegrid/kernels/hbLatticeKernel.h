@@ -39,7 +39,7 @@ struct hbLatticeLinesOf {
 /// How the fine part of a row is put together: for every level of the fast axis, its parts from the levels of the row
 /// axis. Beside those the fast axis is at most so fine that the sum's values at both ends of all its cells fit one or
 /// two vector registers: the *table*.
-struct hbLatticeParts {
+struct hbLatticeTableParts {
   static constexpr int kTableLevel = 4;
   static constexpr int kTableCells = 1 << kTableLevel;
   /// So many numbers past the end of the sums are read (and not used).
@@ -69,7 +69,7 @@ struct hbLatticeRowsOf {
   const std::int32_t* coarseCell = nullptr; ///< Of each row: the first of its two coarse rows,
   const Real* coarseStep = nullptr;         ///< and the step towards the second one, in [0,1].
 
-  const hbLatticeParts* parts = nullptr;
+  const hbLatticeTableParts* parts = nullptr;
   const double* sums = nullptr;
   std::size_t slots = 0;              ///< Nodes and weights a row.
   const std::int32_t* node = nullptr; ///< [row][slot]
