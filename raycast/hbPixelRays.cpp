@@ -43,6 +43,8 @@ hbPixelRays::hbPixelRays(const hbCamera& camera, int width, int height, const hb
     directionX_ = directionY_ = glm::dvec3(0.0);
   origin_ -= middleX * originX_ + middleY * originY_;
   direction_ -= middleX * directionX_ + middleY * directionY_;
+  toPixel_ = glm::inverse(perspective ? glm::dmat3(direction_, directionX_, directionY_)
+                                      : glm::dmat3(direction_, originX_, originY_));
 
   const glm::dmat4 world = geometry.cubeToWorld();
   for (int d = 0; d < 3; ++d) toDistance_[d] = glm::dot(glm::dvec3(world[d]), axis);
@@ -56,6 +58,11 @@ double hbPixelRays::stretch(double px, double py) const {
 
 double hbPixelRays::pixelSize(double distance) const {
   return camera_.projection == hbCamera::Projection::perspective ? slope_ * distance : camera_.height / height_;
+}
+
+glm::dvec2 hbPixelRays::pixel(const glm::dvec3& point) const {
+  const glm::dvec3 h = toPixel_ * (point - origin_);
+  return camera_.projection == hbCamera::Projection::perspective ? glm::dvec2(h.y, h.z) / h.x : glm::dvec2(h.y, h.z);
 }
 
 std::optional<hbPixelRays::Interval> hbPixelRays::clip(double px, double py) const {

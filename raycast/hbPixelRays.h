@@ -2,7 +2,10 @@
 
 #include <optional>
 
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "scene/hbCamera.h"
@@ -36,6 +39,9 @@ public:
   /// The distance along the view axis of a point of the cube.
   double distance(const glm::dvec3& point) const { return glm::dot(toDistance_, point) + distanceOfCorner_; }
 
+  /// Where in the picture a point of the cube is seen; its distance must be positive in perspective.
+  glm::dvec2 pixel(const glm::dvec3& point) const;
+
   const hbCamera& camera() const { return camera_; }
   int width() const { return width_; }
   int height() const { return height_; }
@@ -49,6 +55,7 @@ private:
   glm::dmat4 worldToCube_;
   glm::dvec3 origin_{0.0}, originX_{0.0}, originY_{0.0};
   glm::dvec3 direction_{0.0}, directionX_{0.0}, directionY_{0.0};
+  glm::dmat3 toPixel_{1.0}; ///< A point, from the origin of pixel (0, 0)'s ray on, to (s, s px, s py) or (s, px, py).
   glm::dvec3 toDistance_{0.0};
   double distanceOfCorner_ = 0.0;
   double slope_ = 0.0; ///< Perspective: what a ray's slope to the view axis grows by from pixel to pixel.

@@ -1,11 +1,12 @@
 #include "raycast/hbShearFactorisation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include <glm/geometric.hpp>
+
+#include "raycast/hbOutline.h"
 
 namespace {
 
@@ -168,10 +169,10 @@ hbShearFactorisation::Axis hbShearFactorisation::projectedSteps(int d, int super
   return axis;
 }
 
-hbShearFactorisation::Axis hbShearFactorisation::Axis::from(int i, int newCount) const {
-  // at(i + k) - at(i) = k step / ((1 + bend i) (1 + bend i + bend k))
-  const double scale = 1.0 / (1.0 + bend * i);
-  return {at(i), step * scale * scale, bend * scale, newCount};
+hbShearFactorisation::Axis hbShearFactorisation::Axis::from(double place, int newCount) const {
+  // at(p + k) - at(p) = k step / ((1 + bend p) (1 + bend p + bend k))
+  const double scale = 1.0 / (1.0 + bend * place);
+  return {first + place * step * scale, step * scale * scale, bend * scale, newCount};
 }
 
 /// As far as any slice reaches.
@@ -187,13 +188,23 @@ hbShearFactorisation::Axis hbShearFactorisation::cut(const Axis& axis, bool alon
   if (!(lo <= last && hi >= axis.first)) return axis.from(0, 0);
   const double first = lo > axis.first ? std::floor(axis.place(lo)) : 0.0;
   const double end = hi < last ? std::min(axis.count - 1.0, std::ceil(axis.place(hi))) : axis.count - 1.0;
-  return axis.from(int(first), int(end - first) + 1);
+  return axis.from(first, int(end - first) + 1);
+}
+
+/// Moved by less than a step, so that the first pixel's own ray is one of them.
+hbShearFactorisation::Axis hbShearFactorisation::onPixels(const Axis& axis, int d) const {
+  const glm::dvec3 h = toBase_ * glm::dvec3(1.0, 0.5, 0.5);
+  const double place = axis.place(h[d] / h.z);
+  if (!(h.z > 0.0 && 1.0 + axis.bend * place > 0.0)) return axis;
+  const double before = place - std::floor(place) - 1.0;
+  return axis.from(before, axis.count + 1);
 }
 
 void hbShearFactorisation::placeRays(int supersample) {
+  if (!(reach_.nearest > 0.0)) return;
   for (int d = 0; d < 2; ++d) {
     const Axis equal = equalSteps(d, supersample), projected = projectedSteps(d, supersample);
-    (d == 0 ? u_ : v_) = cut(projected.count < equal.count ? projected : equal, d == 1);
+    (d == 0 ? u_ : v_) = cut(onPixels(projected.count < equal.count ? projected : equal, d), d == 1);
   }
   if (perspective_ || isEmpty()) return;
   for (const double a : {u_.at(0), u_.at(u_.count - 1)})
@@ -204,25 +215,23 @@ void hbShearFactorisation::placeRays(int supersample) {
 std::vector<hbShearFactorisation> hbShearFactorisation::of(const hbScene& scene, const hbGeometry& geometry,
                                                            const hbPixelRays& rays, int supersample) {
   hbShearFactorisation main(scene, geometry, rays, kOfTheView);
-  // The rays that keep the view axis' direction form a convex cone: it holds a picture if it holds the corners.
-  const std::array<double, 2> xs{0.5, rays.width() - 0.5}, ys{0.5, rays.height() - 0.5};
-  main.all_ = true;
-  for (const double y : ys)
-    for (const double x : xs) main.all_ = main.all_ && main.directionOf(x, y) == main.viewDirection_;
+  // The rays that keep the view axis' direction form a convex cone: it holds what is seen if it holds the outline.
+  const std::vector<glm::dvec2> outline = hb::outline(rays);
+  main.all_ = std::all_of(outline.begin(), outline.end(),
+                          [&](const glm::dvec2& p) { return main.directionOf(p.x, p.y) == main.viewDirection_; });
   if (main.all_) {
-    for (const double y : ys)
-      for (const double x : xs) main.reach(x, y);
+    for (const glm::dvec2& p : outline) main.reach(p.x, p.y);
     main.placeRays(supersample);
     return {main};
   }
   std::vector<hbShearFactorisation> six, used;
   for (int direction = 0; direction < 6; ++direction) six.push_back({scene, geometry, rays, direction});
   for (int y = 0; y < rays.height(); ++y)
-    for (int x = 0; x < rays.width(); ++x) six[std::size_t(main.directionOf(x + 0.5, y + 0.5))].reach(x + 0.5, y + 0.5);
-  for (hbShearFactorisation& one : six)
-    if (one.reach_.nearest > 0.0) {
-      one.placeRays(supersample);
-      used.push_back(one);
-    }
+    for (int x = 0; x < rays.width(); ++x)
+      if (rays.clip(x + 0.5, y + 0.5)) six[std::size_t(main.directionOf(x + 0.5, y + 0.5))].reach(x + 0.5, y + 0.5);
+  for (hbShearFactorisation& one : six) {
+    one.placeRays(supersample);
+    if (one.reach_.nearest > 0.0) used.push_back(one);
+  }
   return used;
 }

@@ -38,8 +38,8 @@ public:
       const double beyond = coordinate - first;
       return beyond / (step - bend * beyond);
     }
-    /// The same coordinates from another one on.
-    Axis from(int i, int newCount) const;
+    /// The same row from another place on, between two of them perhaps.
+    Axis from(double place, int newCount) const;
   };
 
   /// One slice: where it lies along w, and how base coordinates become those of the cube there.
@@ -47,10 +47,11 @@ public:
     double w = 0.0, offsetU = 0.0, offsetV = 0.0, scale = 1.0;
   };
 
-  /// What is needed for the picture: one factorisation a main direction that has pixels; together they own all.
-  /// Mostly that is the view axis' own; in a perspective picture, pixels whose rays are steeper than kSteepest to it
-  /// take the main direction of their own. `scene` has a camera; intermediate rays are at most 1 / supersample of a
-  /// pixel apart in the picture. O(slices), and O(pixels) where there are several directions.
+  /// What is needed for the picture: one factorisation a main direction; together they own all pixels that see the
+  /// volume. Mostly that is the view axis' own; in a perspective picture, pixels whose rays are steeper than kSteepest
+  /// to it take the main direction of their own. `scene` has a camera. Intermediate rays are at most 1 / supersample of
+  /// a pixel apart in the picture (at the pixels' own rays where there are several directions). O(slices), and
+  /// O(pixels) where there are several directions.
   static std::vector<hbShearFactorisation> of(const hbScene& scene, const hbGeometry& geometry, const hbPixelRays& rays,
                                               int supersample);
 
@@ -106,6 +107,7 @@ private:
   void placeRays(int supersample);
   Axis equalSteps(int d, int supersample) const;
   Axis projectedSteps(int d, int supersample) const;
+  Axis onPixels(const Axis& axis, int d) const;
   Axis cut(const Axis& axis, bool alongV) const;
   glm::dvec2 gradient(int row) const { return {toBase_[1][row], toBase_[2][row]}; }
 

@@ -34,6 +34,10 @@ int expectTheCamerasRays(const hbCamera& camera, const hbGeometry& g, int width,
         const double fromAxis = glm::dot(glm::dvec3(g.cubeToWorld() * glm::dvec4(mine, 1.0)) - camera.position, axis);
         EXPECT_NEAR(rays.distance(mine), fromAxis, 1e-12 * scale * (1.0 + glm::length(g.extent())));
         EXPECT_NEAR(here, fromAxis, 1e-12 * scale * (1.0 + glm::length(g.extent())));
+        // Seen where it came from, as far as its distance is known.
+        if (here > 1e-3) {
+          EXPECT_LE(glm::distance(rays.pixel(mine), glm::dvec2(px, py)), 1e-6 * scale);
+        }
       }
     }
   return met;
