@@ -74,6 +74,25 @@ hbShearFactorisation::Slice hbShearFactorisation::slice(int n) const {
   return {w, (w - 0.5) * slope_.x, (w - 0.5) * slope_.y, 1.0};
 }
 
+hbShearFactorisation::Slice hbShearFactorisation::changeOfSlice() const {
+  const double w = sign_ / slices_;
+  if (perspective_) return {w, 0.0, 0.0, 1.0 / slices_};
+  return {w, w * slope_.x, w * slope_.y, 0.0};
+}
+
+double hbShearFactorisation::eyePlace() const {
+  if (!perspective_) return -std::numeric_limits<double>::infinity();
+  const double passed = sign_ > 0.0 ? eye_[order_.plane] : 1.0 - eye_[order_.plane];
+  return passed * slices_ - 0.5;
+}
+
+double hbShearFactorisation::placeInFront(double a, double b) const {
+  const Slice first = slice(0), change = changeOfSlice();
+  const double before = rays_->distance(point(first, a, b));
+  const Slice second{first.w + change.w, first.offsetU + change.offsetU, first.offsetV + change.offsetV, first.scale};
+  return -before / (rays_->distance(point(second, a, b)) - before);
+}
+
 glm::dvec3 hbShearFactorisation::point(const Slice& slice, double a, double b) const {
   glm::dvec3 p;
   p[order_.fast] = slice.offsetU + slice.scale * a;

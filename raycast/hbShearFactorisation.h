@@ -62,6 +62,12 @@ public:
   int slices() const { return slices_; }
   int firstSlice() const { return firstSlice_; }
   Slice slice(int n) const;
+  /// What a slice differs by from the one before it.
+  Slice changeOfSlice() const;
+  /// Among the slices: a perspective camera's place; that of an orthographic one is far before them.
+  double eyePlace() const;
+  /// Among the slices: where a ray crosses an orthographic camera's plane.
+  double placeInFront(double a, double b) const;
   const Axis& u() const { return u_; }
   const Axis& v() const { return v_; }
   /// Whether no ray meets a slice.

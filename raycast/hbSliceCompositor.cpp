@@ -21,13 +21,10 @@ constexpr int kBandsAtOnce = 4;
 
 hbSliceCompositor::hbSliceCompositor(const hbShearFactorisation& rays, const hbSliceSampler::Source& source,
                                      hbMode mode, float iso, Memory& memory)
-    : rays_(rays), sampler_(rays, source), mode_(mode), iso_(iso), memory_(memory) {
+    : rays_(rays), sampler_(rays, source), chords_(rays), mode_(mode), iso_(iso), memory_(memory) {
   const std::int64_t count = std::int64_t(rays.u().count) * rays.v().count;
   bands_ = int(std::min<std::int64_t>((count + kBandRays - 1) / kBandRays, rays.v().count));
   chunks_ = std::clamp((rays.slices() - rays.firstSlice() + kChunkSlices - 1) / kChunkSlices, 1, kMostChunks);
-  if (mode_ == hbMode::iso) return;
-  alongU_ = intervals(false);
-  alongV_ = intervals(true);
 }
 
 int hbSliceCompositor::rowOf(int band) const { return int(std::int64_t(rays_.v().count) * band / bands_); }
@@ -43,29 +40,27 @@ double hbSliceCompositor::bytes() const {
   return 8.0 * rays + band * (8.0 * chunks_ * std::min(kBandsAtOnce, bands_) + 2.0 * 4.0 * (Scratch::kGroup + 3));
 }
 
-/// A coordinate of a ray changes in one direction from slice to slice, in rounded numbers, too: it lies in the cube in
-/// an unbroken run of slices.
-hbSliceCompositor::Intervals hbSliceCompositor::intervals(bool alongV) const {
-  const hbShearFactorisation::Axis& axis = alongV ? rays_.v() : rays_.u();
-  Intervals list{std::vector<int>(std::size_t(axis.count)), std::vector<int>(std::size_t(axis.count))};
-  std::pair<int, int> before{0, 0};
-  for (int n = rays_.firstSlice(); n < rays_.slices(); ++n) {
-    const hbShearFactorisation::Slice slice = rays_.slice(n);
-    const auto now = hbShearFactorisation::inside(axis, alongV ? slice.offsetV : slice.offsetU, slice.scale);
-    const auto start = [&](int from, int to) {
-      for (int i = from; i < to; ++i) list.first[std::size_t(i)] = n;
+/// The slices at which a ray's chord begins or ends stand for more or less than a slab.
+void hbSliceCompositor::weighEnds(int n, const Rectangle& r, const Rectangle& before, const Rectangle& after,
+                                  float* out) const {
+  for (int j = r.v0; j < r.v1; ++j) {
+    // Rays that lie in the cube in both slices beside this one begin and end elsewhere.
+    const Rectangle both = before.intersect(after);
+    const bool isInner = j >= both.v0 && j < both.v1 && !rays_.isPartlyBehind();
+    float* const row = out + std::size_t(rays_.u().count) * std::size_t(j - r.v0);
+    const auto weigh = [&](int from, int to) {
+      for (int i = from; i < to; ++i) {
+        const double weight = chords_.at(i, j).weight(n);
+        if (weight != 1.0) row[i - r.u0] = float(weight * double(row[i - r.u0]));
+      }
     };
-    const auto stop = [&](int from, int to) {
-      for (int i = from; i < to; ++i) list.end[std::size_t(i)] = n;
-    };
-    start(now.first, std::min(now.second, before.first));
-    start(std::max(now.first, before.second), now.second);
-    stop(before.first, std::min(before.second, now.first));
-    stop(std::max(before.first, now.second), before.second);
-    before = now;
+    if (isInner && !both.isEmpty()) {
+      weigh(r.u0, std::min(r.u1, both.u0));
+      weigh(std::max(r.u0, both.u1), r.u1);
+    } else {
+      weigh(r.u0, r.u1);
+    }
   }
-  for (int i = before.first; i < before.second; ++i) list.end[std::size_t(i)] = rays_.slices();
-  return list;
 }
 
 void hbSliceCompositor::composite(int band, int chunk, Part& part, hbProgress& progress) const {
@@ -81,6 +76,10 @@ void hbSliceCompositor::composite(int band, int chunk, Part& part, hbProgress& p
       float* const row = slice.data() + stride * std::size_t(j - rowOf(band));
       std::fill(row + r.u0, row + std::max(r.u0, r.u1), nothing);
     }
+  };
+  const auto rectangleOf = [&](int n) {
+    if (n < rays_.firstSlice() || n >= rays_.slices()) return Rectangle{};
+    return sampler_.rectangle(n, rowOf(band), rowOf(band + 1));
   };
   part.values.assign(size, double(nothing));
   part.isEmpty = true;
@@ -105,6 +104,7 @@ void hbSliceCompositor::composite(int band, int chunk, Part& part, hbProgress& p
         continue;
       }
       sampler_.sample(n, r, scratch->sampler, nothing, slice.data() + place(r));
+      if (isSum) weighEnds(n, r, rectangleOf(n - 1), rectangleOf(n + 1), slice.data() + place(r));
       fill(slice, {all.u0, all.u1, all.v0, r.v0});
       fill(slice, {all.u0, all.u1, r.v1, all.v1});
       fill(slice, {all.u0, r.u0, r.v0, r.v1});
@@ -177,13 +177,11 @@ void hbSliceCompositor::merge(int band, std::span<const Part> parts, std::span<d
   for (int j = rowOf(band); j < rowOf(band + 1); ++j)
     for (std::size_t i = 0; i < columns; ++i) {
       const std::size_t at = i + columns * std::size_t(j - rowOf(band));
-      int first = std::max(alongU_.first[i], alongV_.first[std::size_t(j)]);
-      if (rays_.isPartlyBehind()) first = std::max(first, sampler_.firstInFront(int(i), j));
-      const int count = std::min(alongU_.end[i], alongV_.end[std::size_t(j)]) - first;
-      if (count <= 0)
+      const hbRayChords::Chord chord = chords_.at(int(i), j);
+      if (chord.isEmpty())
         result[at] = kNaN;
       else if (isSum)
-        result[at] /= count;
+        result[at] /= chord.length();
     }
 }
 

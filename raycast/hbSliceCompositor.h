@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "raycast/hbPool.h"
+#include "raycast/hbRayChords.h"
 #include "raycast/hbSliceSampler.h"
 #include "scene/hbMode.h"
 #include "volume/hbProgress.h"
@@ -21,9 +22,10 @@ public:
                     Memory& memory);
 
   /// One number a ray, that of (a, b) = (u.at(i), v.at(j)) at i + u.count j. X-ray: the mean of the field on the slices
-  /// where the ray lies in the cube, summed in 64 bits; MIP: the greatest; NaN where there is no such slice. Iso: the
-  /// place among the slices, n + t, where the ray first crosses the iso-value, by linear interpolation between slices n
-  /// and n + 1; infinite where it does not. A value equal to the iso-value counts as above.
+  /// where the ray lies in the cube, each weighted by what it stands for of the ray, summed in 64 bits; MIP: the
+  /// greatest; NaN where there is no such slice. Iso: the place among the slices, n + t, where the ray first crosses
+  /// the iso-value, by linear interpolation between slices n and n + 1; infinite where it does not. A value equal to
+  /// the iso-value counts as above.
   ///
   /// Bands of rays times chunks of slices are done in parallel; the parts do not depend on the number of threads and
   /// are put together in order. Throws hbCancelled. O(slices x rays in the cube) evaluations.
@@ -37,26 +39,23 @@ private:
   using Rectangle = hbSliceSampler::Rectangle;
   struct Part;
   struct Scratch;
-  struct Intervals {
-    std::vector<int> first, end; ///< Of the slices in which the rays of each coordinate lie in the cube.
-  };
 
   /// First row or slice of a part; that of the next one ends it.
   int rowOf(int band) const;
   int sliceOf(int chunk) const;
-  Intervals intervals(bool alongV) const;
 
   void composite(int band, int chunk, Part& part, hbProgress& progress) const;
+  void weighEnds(int n, const Rectangle& r, const Rectangle& before, const Rectangle& after, float* out) const;
   void findCrossings(int band, int chunk, Part& part, hbProgress& progress) const;
   void merge(int band, std::span<const Part> parts, std::span<double> result) const;
 
   const hbShearFactorisation& rays_;
   hbSliceSampler sampler_;
+  hbRayChords chords_;
   hbMode mode_;
   float iso_;
   Memory& memory_;
   int bands_, chunks_;
-  Intervals alongU_, alongV_;
 };
 
 struct hbSliceCompositor::Part {

@@ -9,14 +9,6 @@ hbSliceSampler::Rectangle hbSliceSampler::rectangle(int n, int v0, int v1) const
   return {u.first, u.second, std::max(v.first, v0), std::min(v.second, v1)};
 }
 
-int hbSliceSampler::firstInFront(int i, int j) const {
-  const double a = rays_.u().at(i), b = rays_.v().at(j);
-  const int last = rays_.slices() - 1;
-  const double near = rays_.distance(0, a, b), far = rays_.distance(last, a, b);
-  if (near >= 0.0) return 0;
-  return far < 0.0 ? last + 1 : int(std::ceil(-near / (far - near) * last));
-}
-
 void hbSliceSampler::sample(int n, const Rectangle& r, Scratch& scratch, float hidden, float* out) const {
   const hbShearFactorisation::Slice slice = rays_.slice(n);
   scratch.us.resize(std::size_t(r.u1 - r.u0));
@@ -37,7 +29,8 @@ void hbSliceSampler::sample(int n, const Rectangle& r, Scratch& scratch, float h
   if (!rays_.isPartlyBehind()) return;
   for (int j = r.v0; j < r.v1; ++j)
     for (int i = r.u0; i < r.u1; ++i)
-      if (n < firstInFront(i, j)) out[std::size_t(i - r.u0) + stride * std::size_t(j - r.v0)] = hidden;
+      if (n < rays_.placeInFront(rays_.u().at(i), rays_.v().at(j)))
+        out[std::size_t(i - r.u0) + stride * std::size_t(j - r.v0)] = hidden;
 }
 
 void hbSliceSampler::lengths(double w, Scratch& scratch, float* out) const {

@@ -47,8 +47,6 @@ public:
 
   /// The rays of rows [v0, v1) that lie in the cube in slice n.
   Rectangle rectangle(int n, int v0, int v1) const;
-  /// The first slice before an orthographic camera's plane, for one ray.
-  int firstInFront(int i, int j) const;
 
   /// out[(i - r.u0) + rays.u().count (j - r.v0)] = the value at ray (i, j) in slice n, over the rectangle; `hidden`
   /// where that lies behind the camera's plane.

@@ -21,6 +21,18 @@ public:
   struct Samples {
     int first = 0;
     std::vector<double> values;
+    double before = 0.0, after = 0.0; ///< What the ray goes on in the cube before and after them, in slabs.
+
+    /// The mean along the ray: a value stands for half a slab to either side, or for what there is.
+    double mean() const {
+      double sum = 0.0, weights = 0.0;
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        const double weight = (k == 0 ? before : 0.5) + (k + 1 == values.size() ? after : 0.5);
+        sum += weight * values[k];
+        weights += weight;
+      }
+      return sum / weights;
+    }
   };
   /// An intermediate ray beside a pixel's ray.
   struct Neighbour {
@@ -70,7 +82,25 @@ public:
       if (result.values.empty()) result.first = n;
       result.values.push_back(value(p));
     }
+    if (result.values.empty()) return result;
+    const glm::dvec3 p = point(f, i, j, result.first), way = slabOf(f, p);
+    double before = std::numeric_limits<double>::infinity(), after = before;
+    for (int d = 0; d < 3; ++d) {
+      if (way[d] == 0.0) continue;
+      before = std::min(before, std::max(p[d] / way[d], (p[d] - 1.0) / way[d]));
+      after = std::min(after, std::max(-p[d] / way[d], (1.0 - p[d]) / way[d]));
+    }
+    // From the camera, or its plane, on.
+    result.before = std::min(before, rays_.distance(p) / (rays_.distance(p + way) - rays_.distance(p)));
+    result.after = after - double(result.values.size() - 1);
     return result;
+  }
+
+  /// The way of the ray through p from slice to slice.
+  glm::dvec3 slabOf(const hbShearFactorisation& f, const glm::dvec3& p) const {
+    const glm::dvec3 way = scene_.camera->projection == hbCamera::Projection::perspective ? p - rays_.origin(0.0, 0.0)
+                                                                                          : rays_.direction(0.0, 0.0);
+    return way / (std::abs(way[f.order().plane]) * f.slices());
   }
 
   static glm::dvec3 point(const hbShearFactorisation& f, int i, int j, int n) {

@@ -29,11 +29,11 @@ int expectReference(const hbSparseGrid& grid, const hbScene& scene, int supersam
       ++covered;
       double sum = 0.0, weights = 0.0, largest = 0.0;
       for (const auto& n : reference.neighbours(x + 0.5, y + 0.5)) {
-        const std::vector<double>& values = reference.samples(*n.rays, n.i, n.j).values;
-        if (values.empty()) continue;
-        double gathered = scene.mode == hbMode::xray ? 0.0 : values.front();
-        for (const double v : values)
-          gathered = scene.mode == hbMode::xray ? gathered + v / double(values.size()) : std::max(gathered, v);
+        const hbShearReference::Samples& samples = reference.samples(*n.rays, n.i, n.j);
+        if (samples.values.empty()) continue;
+        const double gathered = scene.mode == hbMode::xray
+                                    ? samples.mean()
+                                    : *std::max_element(samples.values.begin(), samples.values.end());
         sum += n.weight * gathered;
         weights += n.weight;
         largest = std::max(largest, std::abs(gathered));
