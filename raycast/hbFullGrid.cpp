@@ -1,11 +1,30 @@
 #include "raycast/hbFullGrid.h"
 
+#include <cstdlib>
 #include <memory>
+#include <new>
 #include <vector>
+
+#include <sys/mman.h>
 
 #include "raycast/hbPool.h"
 #include "sparsegrid/hbLatticeEvaluator.h"
 #include "volume/hbParallel.h"
+
+namespace {
+
+/// Memory in large pages where the system has them: touching it for the first time otherwise takes longer than the
+/// evaluation. Not cleared, so that the threads that fill it do that.
+std::shared_ptr<float> freshMemory(std::size_t bytes) {
+  constexpr std::size_t kLargePage = std::size_t{2} << 20;
+  const std::size_t whole = (bytes + kLargePage - 1) / kLargePage * kLargePage;
+  void* const memory = std::aligned_alloc(kLargePage, whole);
+  if (memory == nullptr) throw std::bad_alloc();
+  ::madvise(memory, whole, MADV_HUGEPAGE); // an advice: whether it is taken does not matter
+  return {static_cast<float*>(memory), [](float* all) { std::free(all); }};
+}
+
+} // namespace
 
 double hb::fullGridBytes(const hbSparseGrid& grid) {
   return double(sizeof(float)) * double(grid.geometry().samples()) * grid.components();
@@ -15,8 +34,8 @@ hbVolume hb::extractFullGrid(const hbSparseGrid& grid, hbProgress& progress) {
   const hbGeometry& geometry = grid.geometry();
   const std::int64_t samples = geometry.samples();
   const auto row = std::size_t(geometry.size.x), slice = row * std::size_t(geometry.size.y);
-  // Not cleared first: the pages are touched by the threads that fill them.
-  const std::shared_ptr<float[]> values(new float[std::size_t(samples) * std::size_t(grid.components())]);
+  const std::shared_ptr<float> values =
+      freshMemory(std::size_t(samples) * std::size_t(grid.components()) * sizeof(float));
   const std::vector<double> xs = geometry.cubeCoordinates(0), ys = geometry.cubeCoordinates(1),
                             zs = geometry.cubeCoordinates(2);
   hbPool<hbLatticeWorkspace> workspaces;
@@ -27,7 +46,7 @@ hbVolume hb::extractFullGrid(const hbSparseGrid& grid, hbProgress& progress) {
     float* const first = values.get() + std::size_t(samples) * std::size_t(component);
     hb::parallelFor(geometry.size.z, [&](std::int64_t z) {
       const hbPool<hbLatticeWorkspace>::Lease workspace(workspaces);
-      evaluator.plane(plan, zs[std::size_t(z)], *workspace, first + slice * std::size_t(z), row);
+      evaluator.plane(plan, zs[std::size_t(z)], *workspace, first + slice * std::size_t(z), row, true);
       progress.advance(1);
     });
   }
