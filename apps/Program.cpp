@@ -133,7 +133,7 @@ std::shared_ptr<const hbField> InputOptions::field(const hbInput& input, const s
     const double loaded = double(sizeof(float)) * double(input.sparse->grid.indexSet().storedValues());
     common.checkMemory(loaded * input.components() + input.fieldBytes(chosen), input.name);
   }
-  return input.field(chosen, nanValue);
+  return input.field(chosen, nanValue, app::progress());
 }
 
 } // namespace app

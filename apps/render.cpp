@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "apps/SceneOptions.h"
 #include "raycast/hbRaycaster.h"
 #include "raycast/hbSceneDefaults.h"
+#include "raycast/hbShearWarp.h"
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
 #include "volume/hbError.h"
@@ -28,7 +30,24 @@ struct Options {
   app::InputOptions input;
   app::SceneOptions scene;
   std::string out, engine = "auto", saveScene;
+  std::optional<int> supersample;
   int repeat = 1;
+};
+
+/// Makes a scene's pictures: the ray caster, or shear-warp for the engine lattice.
+struct Renderer {
+  std::unique_ptr<const hbRaycaster> raycaster;
+  std::unique_ptr<const hbShearWarp> shearWarp;
+
+  const hbScene& scene() const { return raycaster ? raycaster->scene() : shearWarp->scene(); }
+  hbPicture render() const {
+    return raycaster ? raycaster->render(app::progress()) : shearWarp->render(app::progress());
+  }
+  double frameBytes() const { return shearWarp ? shearWarp->bytes() : 0.0; }
+  std::string sampling() const {
+    if (shearWarp) return "object-aligned";
+    return scene().sampling.kind == hbSampling::Kind::planewise ? "planewise" : "equidistant";
+  }
 };
 
 void writePicture(const hbPicture& picture, const hbScene& scene, const std::string& path) {
@@ -57,7 +76,7 @@ void run(const Options& options, const app::CommonOptions& common) {
   start = Clock::now();
   const hbEngine engine = input.engine(hb::engineFromName(options.engine));
   std::shared_ptr<const hbField> field = options.input.field(input, options.engine, common);
-  const double secondsBuild = seconds(start);
+  double secondsBuild = seconds(start);
 
   hbScene scene = options.scene.scene(input.geometry());
   if (scene.magnitude) {
@@ -72,16 +91,24 @@ void run(const Options& options, const app::CommonOptions& common) {
     histogram = hb::fieldHistogram(*field, scene.component, app::progress());
     if (!scene.isoValue) scene.isoValue = histogram.otsuThreshold();
   }
-  const hbRaycaster raycaster(*field, scene);
-  common.checkMemory(32.0 * scene.width * scene.height, options.out);
+  start = Clock::now();
+  Renderer renderer;
+  if (engine == hbEngine::lattice)
+    renderer.shearWarp = std::make_unique<const hbShearWarp>(input.sparse->grid, scene,
+                                                             hbShearWarp::Options{options.supersample.value_or(1)});
+  else
+    renderer.raycaster = std::make_unique<const hbRaycaster>(*field, scene);
+  secondsBuild += seconds(start);
+  common.checkMemory(32.0 * scene.width * scene.height + renderer.frameBytes(), options.out);
 
   hbPicture picture;
   std::vector<double> frames;
   for (int i = 0; i < options.repeat; ++i) {
     start = Clock::now();
-    picture = raycaster.render(app::progress());
+    picture = renderer.render();
     frames.push_back(seconds(start));
   }
+  const double secondsFirst = secondsLoad + secondsBuild + frames.front();
   std::sort(frames.begin(), frames.end());
   const std::vector<float>& covered = *picture.find("A");
   if (scene.mode == hbMode::iso && std::all_of(covered.begin(), covered.end(), [](float a) { return a == 0.0F; }))
@@ -91,10 +118,10 @@ void run(const Options& options, const app::CommonOptions& common) {
     fmt::print(stderr, "hbvol: warning: NaN or infinite samples show in the picture; --nan-value V replaces them\n");
   picture.metadata["hbvol.engine"] = hb::engineName(engine);
   picture.metadata["hbvol.input"] = input.name;
-  if (!options.saveScene.empty()) hb::saveScene(raycaster.scene(), options.saveScene);
-  writePicture(picture, raycaster.scene(), options.out);
+  if (!options.saveScene.empty()) hb::saveScene(renderer.scene(), options.saveScene);
+  writePicture(picture, renderer.scene(), options.out);
 
-  const hbCamera& camera = *raycaster.scene().camera;
+  const hbCamera& camera = *renderer.scene().camera;
   nlohmann::ordered_json stats{
       {"engine", hb::engineName(engine)},
       {"mode", hb::modeName(scene.mode)},
@@ -102,10 +129,11 @@ void run(const Options& options, const app::CommonOptions& common) {
       {"height", scene.height},
       {"samples", scene.sampling.planes(input.geometry(), camera)},
       {"step", scene.sampling.stepLength(input.geometry(), camera)},
-      {"sampling", scene.sampling.kind == hbSampling::Kind::planewise ? "planewise" : "equidistant"},
+      {"sampling", renderer.sampling()},
       {"iso", scene.isoValue ? nlohmann::ordered_json(*scene.isoValue) : nlohmann::ordered_json()},
       {"seconds_load", secondsLoad},
       {"seconds_build", secondsBuild},
+      {"seconds_first_picture", secondsFirst},
       {"seconds_frame_median", frames[frames.size() / 2]},
       {"seconds_frame_min", frames.front()},
       {"seconds_frame_max", frames.back()},
@@ -115,6 +143,10 @@ void run(const Options& options, const app::CommonOptions& common) {
       {"texture_bytes", 0},
       {"threads", common.threads > 0 ? common.threads : oneapi::tbb::info::default_concurrency()},
       {"gl_renderer", nullptr}};
+  if (renderer.shearWarp) {
+    stats["slices"] = renderer.shearWarp->slices();
+    stats["supersample"] = options.supersample.value_or(1);
+  }
   fmt::print("{}: {} by {} in {:.3f} s a frame ({} samples over the depth), load {:.3f} s\n", options.out,
              hb::modeName(scene.mode), hb::engineName(engine), frames[frames.size() / 2], stats["samples"].get<int>(),
              secondsLoad);
@@ -126,7 +158,8 @@ app::Work prepare(const Options& options, const app::CommonOptions& common) {
     throw hbError(fmt::format("{}: expected a name that ends with .exr or .png", options.out));
   common.checkOutputs({options.out, options.saveScene});
   options.input.rawLayout();
-  hb::engineFromName(options.engine);
+  if (hb::engineFromName(options.engine) != hbEngine::lattice && options.supersample)
+    throw hbError(fmt::format("--supersample: expected --engine lattice with it, found {}", options.engine));
   return [&] { run(options, common); };
 }
 
@@ -146,10 +179,15 @@ void addRender(CLI::App& program, const app::CommonOptions& common, app::Work& w
       ->group("Camera")
       ->type_name("S.json");
   command
-      ->add_option("--engine", options->engine,
-                   "auto, full (plain volumes and fields); seminodal, direct or combination (sparse grids)")
+      ->add_option(
+          "--engine", options->engine,
+          "auto; full (plain volumes and fields; sparse grids extracted first); seminodal, direct, combination, or "
+          "lattice: shear-warp (sparse grids)")
       ->group("Rendering")
       ->capture_default_str();
+  command->add_option("--supersample", options->supersample, "Lattice: rays a pixel along either axis (default 1)")
+      ->check(CLI::Range(1, hbShearWarp::kMostSupersample))
+      ->group("Rendering");
   command->add_option("--repeat", options->repeat, "Frames to time; the median is reported")
       ->check(CLI::Range(1, 10000))
       ->group("Rendering")

@@ -7,7 +7,7 @@
 #include "volume/hbError.h"
 
 namespace {
-constexpr std::array<std::string_view, 5> kNames{"auto", "full", "direct", "seminodal", "combination"};
+constexpr std::array<std::string_view, 6> kNames{"auto", "full", "direct", "seminodal", "combination", "lattice"};
 }
 
 std::string_view hb::engineName(hbEngine engine) { return kNames[std::size_t(engine)]; }
@@ -15,5 +15,6 @@ std::string_view hb::engineName(hbEngine engine) { return kNames[std::size_t(eng
 hbEngine hb::engineFromName(std::string_view name) {
   for (std::size_t i = 0; i < kNames.size(); ++i)
     if (kNames[i] == name) return hbEngine(i);
-  throw hbError(fmt::format("engine: expected auto, full, direct, seminodal or combination, found '{}'", name));
+  throw hbError(
+      fmt::format("engine: expected auto, full, direct, seminodal, combination or lattice, found '{}'", name));
 }

@@ -5,11 +5,12 @@
 
 /// The ways to evaluate a field at any point.
 enum class hbEngine : std::uint8_t {
-  automatic,   ///< The best one for the input: full for volumes and analytic fields, seminodal for sparse grids.
-  full,        ///< Trilinear interpolation of a plain volume (an analytic field: its formula).
-  direct,      ///< A sparse grid's basis functions, subspace by subspace.
-  seminodal,   ///< A sparse grid's lines along x, nodal there and hierarchical across: the fast one.
+  automatic, ///< The best one for the input: full for volumes and analytic fields, seminodal for sparse grids.
+  full,      ///< Trilinear interpolation of a plain volume (an analytic field: its formula; a sparse grid: extracted).
+  direct,    ///< A sparse grid's basis functions, subspace by subspace.
+  seminodal, ///< A sparse grid's lines along x, nodal there and hierarchical across: the fast one.
   combination, ///< A sparse grid's component grids, each trilinear.
+  lattice,     ///< A sparse grid on whole slices: pictures by hbShearWarp. At single points as `direct`.
 };
 
 namespace hb {

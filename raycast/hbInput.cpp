@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "raycast/hbFullGrid.h"
 #include "sparsegrid/hbCombinationSparseGrid.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
 #include "volume/hbError.h"
@@ -71,19 +72,22 @@ double hbInput::fieldBytes(hbEngine asked) const {
   if (!sparse) return 0.0;
   const hbEngine chosen = engine(asked);
   const hbIndexSet& set = sparse->grid.indexSet();
+  if (chosen == hbEngine::full) return hb::fullGridBytes(sparse->grid);
+  if (chosen == hbEngine::lattice) return double(sizeof(float)) * double(set.storedValues()) * components();
   if (chosen == hbEngine::seminodal) return hbSemiNodalGrid::bytes(set, components());
   return chosen == hbEngine::combination ? hbCombinationSparseGrid::bytes(set, components()) : 0.0;
 }
 
-std::shared_ptr<const hbField> hbInput::field(hbEngine asked, std::optional<double> nonFinite) const {
+std::shared_ptr<const hbField> hbInput::field(hbEngine asked, std::optional<double> nonFinite,
+                                              hbProgress& progress) const {
   const hbEngine chosen = engine(asked);
-  if ((chosen == hbEngine::full) == (sparse != nullptr))
-    throw hbError(fmt::format("{}: the engine {} cannot evaluate {}", name, hb::engineName(chosen),
-                              sparse   ? "a sparse grid; expected seminodal, direct or combination"
-                              : volume ? "a plain volume; compress it first, or use the engine full"
-                                       : "an analytic field; compress it first, or use the engine full"));
+  if (chosen != hbEngine::full && !sparse)
+    throw hbError(fmt::format("{}: the engine {} cannot evaluate {}; compress it first, or use the engine full", name,
+                              hb::engineName(chosen), volume ? "a plain volume" : "an analytic field"));
   if (volume) return std::make_shared<const hbVolumeField>(*volume, volume->chooseValueMap(), nonFinite);
   if (analytic) return analytic;
+  if (chosen == hbEngine::full)
+    return std::make_shared<const hbVolumeField>(hb::extractFullGrid(sparse->grid, progress), sparse->grid.valueMap());
   if (chosen == hbEngine::seminodal) return std::make_shared<const hbSemiNodalGrid>(sparse->grid);
   if (chosen == hbEngine::combination) return std::make_shared<const hbCombinationSparseGrid>(sparse->grid);
   return {sparse, &sparse->grid};

@@ -39,11 +39,13 @@ struct hbInput {
 
   /// The field that evaluates the input with that engine; it shares the input's data. NaN and infinite samples of a
   /// volume count as `nonFinite` where it is given. Throws hbError for an engine that cannot evaluate this
-  /// representation. The engines seminodal and combination are built here: 4
-  /// bytes for each of hbIndexSet::storedValues(), or of combinationValues().
-  std::shared_ptr<const hbField> field(hbEngine engine, std::optional<double> nonFinite = std::nullopt) const;
+  /// representation. The engines seminodal and combination are built here: 4 bytes for each of
+  /// hbIndexSet::storedValues(), or of combinationValues(); so is `full` of a sparse grid, see hb::extractFullGrid().
+  /// `lattice` is the sparse grid itself.
+  std::shared_ptr<const hbField> field(hbEngine engine, std::optional<double> nonFinite = std::nullopt,
+                                       hbProgress& progress = hbProgress::none()) const;
 
-  /// What field() takes beside what is loaded already, at its peak, in bytes.
+  /// What field() takes beside what is loaded already, at its peak, in bytes; for `lattice`, what an hbShearWarp takes.
   double fieldBytes(hbEngine engine) const;
 
   /// What `automatic` stands for here.

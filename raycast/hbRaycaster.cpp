@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
 #include "raycast/hbRaySegment.h"
+#include "raycast/hbSurfaceShader.h"
 #include "volume/hbError.h"
 #include "volume/hbParallel.h"
 
@@ -22,27 +22,6 @@ constexpr int kTile = 16;           // pixels a side
 constexpr std::size_t kBatch = 256; // samples handed to the field at once
 /// Of one ray: 16 times the planes of a scene, for rays at an angle of up to 86 degrees to the view axis.
 constexpr double kMostSamples = 16.0 * hbSampling::kMaxSamples;
-
-/// Points of the cube collected for one call of the field.
-struct Batch {
-  std::vector<float> x, y, z, value;
-
-  void clear() {
-    x.clear();
-    y.clear();
-    z.clear();
-  }
-  void add(const glm::dvec3& p) {
-    x.push_back(float(p.x));
-    y.push_back(float(p.y));
-    z.push_back(float(p.z));
-  }
-  std::size_t size() const { return x.size(); }
-  void evaluate(const hbField& field, int component) {
-    value.resize(size());
-    field.values({x, y, z}, component, value);
-  }
-};
 
 /// The samples of one ray: sample i lies at the world distance first + i * step, i < count, and stands for `weight`.
 struct RaySamples {
@@ -66,7 +45,6 @@ struct Frame {
   const hbCamera camera;
   const hbValueMap map;
   glm::dmat4 worldToCube;
-  glm::dmat3 gradientToWorld; ///< The inverse transpose of cube to world.
   hbSampling::Extent extent;
   double step;
   float iso;
@@ -75,8 +53,8 @@ struct Frame {
 
   Frame(const hbField& f, const hbScene& s, hbPicture& picture)
       : field(f), scene(s), camera(*s.camera), map(f.valueMap()), worldToCube(glm::inverse(f.geometry().cubeToWorld())),
-        gradientToWorld(glm::transpose(glm::dmat3(worldToCube))), extent(hbSampling::extent(f.geometry(), camera)),
-        step(s.sampling.stepLength(f.geometry(), camera)), iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F) {
+        extent(hbSampling::extent(f.geometry(), camera)), step(s.sampling.stepLength(f.geometry(), camera)),
+        iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F) {
     y = &picture.add("Y");
     a = &picture.add("A");
     if (s.mode != hbMode::iso) return;
@@ -210,30 +188,25 @@ private:
   void shade() {
     // Where the line through both ends meets the iso-value; they lie on different sides, so it is between them.
     std::vector<double> distance;
-    std::vector<glm::dvec3> places;
+    std::vector<glm::dvec3> places, rays;
     for (const Crossing& c : crossings_) {
       const double t = (double(frame_.iso) - double(c.valueA)) / (double(c.valueB) - double(c.valueA));
       distance.push_back(c.a + std::clamp(t, 0.0, 1.0) * (c.b - c.a));
       places.push_back(c.segment.at(distance.back()));
+      rays.push_back(c.ray);
     }
-    batch_.clear();
-    for (const glm::dvec3& p : places) batch_.add(p);
-    batch_.evaluate(frame_.field, frame_.scene.component);
-    const std::vector<float> values = batch_.value;
-    const std::vector<glm::dvec3> gradients = centralDifferences(places);
+    hbSurfaceShader shader(frame_.field, frame_.scene.component);
+    shader.shade(places, rays);
     for (std::size_t i = 0; i < crossings_.size(); ++i) {
       const Crossing& c = crossings_[i];
-      glm::dvec3 normal = frame_.gradientToWorld * gradients[i];
-      const double length = glm::length(normal);
-      normal = length > 0.0 ? normal / length : -c.ray;
-      if (glm::dot(normal, c.ray) > 0.0) normal = -normal;
+      const glm::dvec3& normal = shader.normals()[i];
       (*frame_.y)[c.pixel] = float(-glm::dot(normal, c.ray)); // Lambert, lit from the viewer
       (*frame_.a)[c.pixel] = 1.0F;
       (*frame_.z)[c.pixel] = float(depth(c, distance[i]));
       (*frame_.nx)[c.pixel] = float(normal.x);
       (*frame_.ny)[c.pixel] = float(normal.y);
       (*frame_.nz)[c.pixel] = float(normal.z);
-      (*frame_.value)[c.pixel] = float(frame_.map.toTrue(values[i]));
+      (*frame_.value)[c.pixel] = float(frame_.map.toTrue(shader.values()[i]));
     }
   }
 
@@ -242,32 +215,8 @@ private:
     return distance * glm::dot(c.ray, frame_.camera.viewAxis());
   }
 
-  /// The differences of the field one sample spacing to either side, along each axis of the cube; one-sided at its
-  /// faces.
-  std::vector<glm::dvec3> centralDifferences(const std::vector<glm::dvec3>& places) {
-    const glm::dvec3 h = frame_.field.geometry().cubeSpacing();
-    std::vector<glm::dvec3> result(places.size(), glm::dvec3(0.0));
-    for (int d = 0; d < 3; ++d) {
-      if (frame_.field.geometry().isFlat(d)) continue;
-      batch_.clear();
-      std::vector<double> span;
-      for (const glm::dvec3& p : places) {
-        glm::dvec3 lower = p, upper = p;
-        lower[d] = std::max(0.0, p[d] - h[d]);
-        upper[d] = std::min(1.0, p[d] + h[d]);
-        batch_.add(lower);
-        batch_.add(upper);
-        span.push_back(upper[d] - lower[d]);
-      }
-      batch_.evaluate(frame_.field, frame_.scene.component);
-      for (std::size_t i = 0; i < places.size(); ++i)
-        result[i][d] = (double(batch_.value[2 * i + 1]) - double(batch_.value[2 * i])) / span[i];
-    }
-    return result;
-  }
-
   const Frame& frame_;
-  Batch batch_;
+  hbPointBatch batch_;
   std::vector<Crossing> crossings_;
 };
 

@@ -23,7 +23,8 @@ hbLatticeParts::hbLatticeParts(std::vector<double> xs, std::vector<double> ys, s
   const std::int64_t plane = all.x * all.y;
   const std::int64_t forSize = quotientUp(plane, mostSamples),
                      forThreads = std::min(quotientUp(kFewPlanes, all.z), plane / kFewSamples);
-  rows_ = quotientUp(all.y, std::clamp<std::int64_t>(std::max(forSize, forThreads), 1, all.y));
+  rows_ = std::min(quotientUp(all.y, std::clamp<std::int64_t>(std::max(forSize, forThreads), 1, all.y)),
+                   std::max<std::int64_t>(1, mostSamples / all.x));
   if (rows_ == all.y) planes_ = std::clamp<std::int64_t>(std::min(kFewSamples, mostSamples) / plane, 1, all.z);
 }
 

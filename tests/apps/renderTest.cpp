@@ -74,6 +74,54 @@ TEST_F(render, EnginesAgree) {
   }
 }
 
+TEST_F(render, TheLatticeEngineDrawsTheSame) {
+  EXPECT_RUNS(run({"compress", "field:smooth,size=33", "s.hbv", "--level", "5"}));
+  for (const char* mode : {"xray", "mip", "iso"}) {
+    // Along an axis slices are the planes of planewise ray casting, and pixels the rays of the lattice.
+    for (const char* engine : {"lattice", "seminodal"})
+      EXPECT_RUNS(run({"render",       "s.hbv",     fmt::format("{}.exr", engine),
+                       "--engine",     engine,      "--mode",
+                       mode,           "--size",    "41x31",
+                       "--samples",    "16",        "--sampling",
+                       "planewise",    "--azimuth", "90",
+                       "--elevation",  "0",         "--projection",
+                       "orthographic", "--stats",   fmt::format("{}.json", engine)}));
+    // As between the other engines; normals are differences of values over a 32nd.
+    const double tolerance = 31 * 2 * 12 * 2 * 2 * 0x1p-24 * (std::string(mode) == "iso" ? 64 : 1);
+    EXPECT_LT(run({"diff", "lattice.exr", "seminodal.exr", "--json"}).json()["max"].get<double>(), tolerance) << mode;
+    EXPECT_EQ(covered(picture("lattice.exr")), covered(picture("seminodal.exr")));
+    EXPECT_EQ(picture("lattice.exr").metadata.at("hbvol.engine"), "lattice");
+  }
+  auto stats = json("lattice.json");
+  EXPECT_EQ(stats["engine"], "lattice");
+  EXPECT_EQ(stats["sampling"], "object-aligned");
+  EXPECT_EQ(stats["slices"], nlohmann::json{16});
+  EXPECT_EQ(stats["samples"], 16);
+  EXPECT_EQ(stats["supersample"], 1);
+  stats = json("seminodal.json");
+  EXPECT_EQ(stats["sampling"], "planewise");
+  EXPECT_FALSE(stats.contains("slices"));
+  for (const char* file : {"lattice.json", "seminodal.json"}) {
+    stats = json(file);
+    EXPECT_EQ(stats["seconds_first_picture"].get<double>(),
+              stats["seconds_load"].get<double>() + stats["seconds_build"].get<double>() +
+                  stats["seconds_frame_median"].get<double>()); // the only frame
+  }
+  EXPECT_RUNS(run({"render", "s.hbv", "fine.exr", "--engine", "lattice", "--size", "40x30", "--supersample", "3",
+                   "--stats", "s.json"}));
+  EXPECT_EQ(json("s.json")["supersample"], 3);
+}
+
+TEST_F(render, ExtractsFirstWhereAsked) {
+  EXPECT_RUNS(run({"compress", "field:smooth,size=17", "s.hbv", "--level", "4"}));
+  // A ray casting of the full grid, which the file written first gives, too.
+  EXPECT_RUNS(run({"render", "s.hbv", "full.exr", "--engine", "full", "--size", "20x20", "--stats", "s.json"}));
+  EXPECT_EQ(json("s.json")["engine"], "full");
+  EXPECT_RUNS(run({"extract", "s.hbv", "s.nrrd"}));
+  EXPECT_RUNS(run({"render", "s.nrrd", "file.exr", "--size", "20x20"}));
+  EXPECT_EQ(picture("full.exr").channels, picture("file.exr").channels);
+}
+
 TEST_F(render, AnIsoValueOutsideTheRangeIsAnEmptyPictureAndAWarning) {
   const hbProgramRun made =
       run({"render", "field:smooth", "r.exr", "--mode", "iso", "--iso", "100", "--size", "20x20"});
@@ -155,7 +203,18 @@ TEST_F(render, RefusesWhatItCannotDo) {
   EXPECT_RUNS(run({"compress", "field:ball", "b.hbv", "--level", "2"}));
   expectFailureLeavesAll({"render", "field:ball", "x.exr", "--engine", "direct"}, 1, "engine direct");
   expectFailureLeavesAll({"render", "field:ball", "x.exr", "--engine", "combination"}, 1, "engine combination");
-  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "full"}, 1, "engine full");
+  expectFailureLeavesAll({"render", "field:ball", "x.exr", "--engine", "lattice"}, 1,
+                         "the engine lattice cannot evaluate an analytic field");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--supersample", "2"}, 1,
+                         "--supersample: expected --engine lattice with it, found auto");
+  for (const char* supersample : {"0", "9", "1.5"})
+    expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "lattice", "--supersample", supersample}, 2,
+                           "--supersample");
+  // The grid has few values, but the full one many, and so has a picture's lattice.
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "full", "--memory", "300kB"}, 1, "--memory");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "lattice", "--size", "400x400", "--supersample", "8",
+                          "--memory", "10MB"},
+                         1, "x.exr: needs about");
   expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "opengl"}, 1, "opengl");
   expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--component", "1"}, 1, "--component");
   for (const char* size :

@@ -5,8 +5,8 @@
 #include "volume/hbError.h"
 
 TEST(hbEngine, NamesRoundTrip) {
-  for (const hbEngine engine :
-       {hbEngine::automatic, hbEngine::full, hbEngine::direct, hbEngine::seminodal, hbEngine::combination})
+  for (const hbEngine engine : {hbEngine::automatic, hbEngine::full, hbEngine::direct, hbEngine::seminodal,
+                                hbEngine::combination, hbEngine::lattice})
     EXPECT_EQ(hb::engineFromName(hb::engineName(engine)), engine);
   EXPECT_THROW(hb::engineFromName("fast"), hbError);
 }

@@ -58,6 +58,7 @@ TEST(hbInput, OpensAnalyticFields) {
   EXPECT_EQ(valueAt(*input.field(hbEngine::automatic), 0.5F, 0.5F, 0.5F, 0), 1.0F);
   EXPECT_HB_ERROR(input.field(hbEngine::direct), "engine direct");
   EXPECT_HB_ERROR(input.field(hbEngine::combination), "engine combination");
+  EXPECT_HB_ERROR(input.field(hbEngine::lattice), "the engine lattice cannot evaluate an analytic field");
   EXPECT_HB_ERROR(hbInput::open("field:", {}), "field");
   EXPECT_HB_ERROR(hbInput::open("field:balls", {}), "balls");
 }
@@ -106,7 +107,12 @@ TEST(hbInput, OpensSparseGridsWhateverTheirName) {
     EXPECT_NEAR(valueAt(*input.field(hbEngine::automatic), 0.5F, 0.5F, 1.0F, 1), 1112.0F, 8 * 2048 * 0x1p-24);
     EXPECT_NE(dynamic_cast<const hbCombinationSparseGrid*>(input.field(hbEngine::combination).get()), nullptr);
     EXPECT_NEAR(valueAt(*input.field(hbEngine::combination), 0.5F, 0.5F, 1.0F, 0), 112.0F, 8 * 2048 * 0x1p-24);
-    EXPECT_HB_ERROR(input.field(hbEngine::full), "expected seminodal, direct or combination");
+    EXPECT_EQ(input.field(hbEngine::lattice).get(), &input.sparse->grid);
+    EXPECT_EQ(input.fieldBytes(hbEngine::lattice), 2.0 * 4.0 * double(input.sparse->grid.indexSet().storedValues()));
+    // Extracted: 5 x 3 x 2 samples of two components.
+    EXPECT_NE(dynamic_cast<const hbVolumeField*>(input.field(hbEngine::full).get()), nullptr);
+    EXPECT_NEAR(valueAt(*input.field(hbEngine::full), 0.5F, 0.5F, 1.0F, 1), 1112.0F, 32 * 2048 * 0x1p-24);
+    EXPECT_EQ(input.fieldBytes(hbEngine::full), 2.0 * 4.0 * 30.0);
   }
 }
 

@@ -1,0 +1,50 @@
+#include "raycast/hbSliceSampler.h"
+
+#include <cmath>
+
+hbSliceSampler::Rectangle hbSliceSampler::rectangle(int n, int v0, int v1) const {
+  const hbShearFactorisation::Slice slice = rays_.slice(n);
+  const auto u = hbShearFactorisation::inside(rays_.u(), slice.offsetU, slice.scale);
+  const auto v = hbShearFactorisation::inside(rays_.v(), slice.offsetV, slice.scale);
+  return {u.first, u.second, std::max(v.first, v0), std::min(v.second, v1)};
+}
+
+void hbSliceSampler::sample(int n, const Rectangle& r, Scratch& scratch, float hidden, float* out) const {
+  const hbShearFactorisation::Slice slice = rays_.slice(n);
+  scratch.us.resize(std::size_t(r.u1 - r.u0));
+  scratch.vs.resize(std::size_t(r.v1 - r.v0));
+  for (int i = r.u0; i < r.u1; ++i) scratch.us[std::size_t(i - r.u0)] = slice.offsetU + slice.scale * rays_.u().at(i);
+  for (int j = r.v0; j < r.v1; ++j) scratch.vs[std::size_t(j - r.v0)] = slice.offsetV + slice.scale * rays_.v().at(j);
+  // Along an axis all slices are sampled at the same places.
+  if (scratch.us != scratch.usBefore || scratch.vs != scratch.vsBefore) {
+    scratch.plan.emplace(source_.components.front().plan(scratch.us, scratch.vs));
+    scratch.us.swap(scratch.usBefore);
+    scratch.vs.swap(scratch.vsBefore);
+  }
+  const auto stride = std::size_t(rays_.u().count);
+  if (source_.magnitude)
+    lengths(slice.w, scratch, out);
+  else
+    source_.components.front().plane(*scratch.plan, slice.w, scratch.workspace, out, stride);
+  if (!rays_.isPartlyBehind()) return;
+  for (int j = r.v0; j < r.v1; ++j)
+    for (int i = r.u0; i < r.u1; ++i)
+      if (n < rays_.placeInFront(rays_.u().at(i), rays_.v().at(j)))
+        out[std::size_t(i - r.u0) + stride * std::size_t(j - r.v0)] = hidden;
+}
+
+void hbSliceSampler::lengths(double w, Scratch& scratch, float* out) const {
+  const std::size_t columns = scratch.usBefore.size(), rows = scratch.vsBefore.size();
+  scratch.squares.assign(columns * rows, 0.0);
+  scratch.component.resize(columns * rows);
+  for (const hbLatticeEvaluator& evaluator : source_.components) {
+    evaluator.plane(*scratch.plan, w, scratch.workspace, scratch.component.data(), columns);
+    for (std::size_t k = 0; k < scratch.squares.size(); ++k) {
+      const double value = source_.map.toTrue(scratch.component[k]);
+      scratch.squares[k] += value * value;
+    }
+  }
+  for (std::size_t j = 0; j < rows; ++j)
+    for (std::size_t i = 0; i < columns; ++i)
+      out[i + std::size_t(rays_.u().count) * j] = float(std::sqrt(scratch.squares[i + columns * j]));
+}

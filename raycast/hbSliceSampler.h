@@ -1,0 +1,60 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "raycast/hbShearFactorisation.h"
+#include "sparsegrid/hbLatticeEvaluator.h"
+#include "volume/hbValueMap.h"
+
+/// The values of a sparse grid where the intermediate rays of a factorisation meet its slices.
+class hbSliceSampler {
+public:
+  /// What is looked at: one component, or the length of the vector of all of them in true values.
+  struct Source {
+    std::span<const hbLatticeEvaluator> components;
+    bool magnitude = false;
+    hbValueMap map;
+  };
+
+  /// Rays: i from u0 to u1, j from v0 to v1, ends not included.
+  struct Rectangle {
+    int u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+
+    bool isEmpty() const { return u0 >= u1 || v0 >= v1; }
+    void cover(const Rectangle& r) {
+      *this = isEmpty() ? r : Rectangle{std::min(u0, r.u0), std::max(u1, r.u1), std::min(v0, r.v0), std::max(v1, r.v1)};
+    }
+    Rectangle intersect(const Rectangle& r) const {
+      return {std::max(u0, r.u0), std::min(u1, r.u1), std::max(v0, r.v0), std::min(v1, r.v1)};
+    }
+  };
+
+  /// Memory that sample() uses again and again; one a thread, to be restarted for every frame.
+  struct Scratch {
+    hbLatticeWorkspace workspace;
+    std::optional<hbLatticePlan> plan;
+    std::vector<double> us, vs, usBefore, vsBefore, squares;
+    std::vector<float> component;
+
+    void restart() { usBefore.clear(); }
+  };
+
+  /// Keeps references to `rays` and what `source` refers to.
+  hbSliceSampler(const hbShearFactorisation& rays, const Source& source) : rays_(rays), source_(source) {}
+
+  /// The rays of rows [v0, v1) that lie in the cube in slice n.
+  Rectangle rectangle(int n, int v0, int v1) const;
+
+  /// out[(i - r.u0) + rays.u().count (j - r.v0)] = the value at ray (i, j) in slice n, over the rectangle; `hidden`
+  /// where that lies behind the camera's plane.
+  void sample(int n, const Rectangle& r, Scratch& scratch, float hidden, float* out) const;
+
+private:
+  void lengths(double w, Scratch& scratch, float* out) const;
+
+  const hbShearFactorisation& rays_;
+  Source source_;
+};
