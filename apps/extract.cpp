@@ -77,9 +77,9 @@ app::Work prepare(const Options& options, const app::CommonOptions& common) {
 
 void addExtract(CLI::App& program, const app::CommonOptions& common, app::Work& work) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      program.add_subcommand("extract", "Writes a compressed volume (or anything else) back as a plain one, slab by "
-                                        "slab: some 30 MB beside the input, however large it is");
+  CLI::App* command = program.add_subcommand(
+      "extract", "Writes a compressed volume (or anything else) back as a plain one, slab by "
+                 "slab: some 30 MB beside the input (40 MB for several components), however large the output is");
   options->input.addTo(*command);
   command->add_option("OUT", options->out, "The volume to write: .nrrd, .vti, or .raw named as stem_XxYxZ_float32.raw")
       ->required()

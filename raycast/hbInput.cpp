@@ -73,7 +73,10 @@ double hbInput::fieldBytes(hbEngine asked) const {
   const hbEngine chosen = engine(asked);
   const hbIndexSet& set = sparse->grid.indexSet();
   if (chosen == hbEngine::full) return hb::fullGridBytes(sparse->grid);
-  if (chosen == hbEngine::lattice) return double(sizeof(float)) * double(set.storedValues()) * components();
+  // At most: copies in two orders of axes, and the form that iso-surfaces are shaded with.
+  if (chosen == hbEngine::lattice)
+    return 2.0 * double(sizeof(float)) * double(set.storedValues()) * components() +
+           (hbSemiNodalGrid::fits(set) ? hbSemiNodalGrid::bytes(set, components()) : 0.0);
   if (chosen == hbEngine::seminodal) return hbSemiNodalGrid::bytes(set, components());
   return chosen == hbEngine::combination ? hbCombinationSparseGrid::bytes(set, components()) : 0.0;
 }

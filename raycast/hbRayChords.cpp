@@ -51,7 +51,7 @@ hbRayChords::Chord hbRayChords::at(int i, int j) const {
   double start = start_;
   if (rays_.isPartlyBehind()) {
     start = std::max(start, rays_.placeInFront(rays_.u().at(i), rays_.v().at(j)));
-    chord.first = std::max(chord.first, int(std::ceil(start)));
+    chord.first = std::max(chord.first, int(std::ceil(std::min(start, double(rays_.slices())))));
   }
   const double end = rays_.slices() - 0.5;
   chord.before = std::clamp(chord.first - std::max({start, u_.enter[u], v_.enter[v]}), 0.0, 1.0);

@@ -13,6 +13,9 @@ namespace {
 /// A whole number of steps should not become one more by rounding: about ten operations in 64 bits.
 constexpr double kRounding = 1e-14;
 
+/// More rays than this along an axis no picture needs.
+constexpr double kMostRays = 1 << 28;
+
 } // namespace
 
 int hbShearFactorisation::mainDirection(const glm::dvec3& scaled) {
@@ -164,7 +167,7 @@ void hbShearFactorisation::reach(double px, double py) {
 hbShearFactorisation::Axis hbShearFactorisation::equalSteps(int d, int supersample) const {
   const double step = std::abs(glm::determinant(toBase_)) / (reach_.nearest * reach_.steepest[d]) / supersample;
   const double last = std::ceil((reach_.most[d] - reach_.least[d]) / step - 1e-9);
-  return {reach_.least[d], step, 0.0, int(last) + 1};
+  return {reach_.least[d], step, 0.0, int(std::min(last, kMostRays)) + 1};
 }
 
 /// With the vector divided by m, |dp/da| = m^2 |grad(b m) - b grad m| / |det|, and 1/m is affine in a and b. Taking the
@@ -184,7 +187,12 @@ hbShearFactorisation::Axis hbShearFactorisation::projectedSteps(int d, int super
   if (!(start > 0.0 && end > 0.0)) return {lo, hi - lo, 0.0, std::numeric_limits<int>::max()};
   const double density = std::abs(glm::determinant(toBase_)) / (vector * supersample);
   Axis axis{lo, start * start * density, -start * slope * density, 0};
-  axis.count = int(std::ceil(axis.place(hi) - 1e-9)) + 1;
+  // The last ray is the end itself: one beyond it could lie beyond the row's pole.
+  const double place = axis.place(hi), last = std::max(1.0, std::ceil(place - 1e-9));
+  if (!(place > 0.0 && last < kMostRays)) return {lo, hi - lo, 0.0, std::numeric_limits<int>::max()};
+  axis.step *= place / last;
+  axis.bend *= place / last;
+  axis.count = int(last) + 1;
   return axis;
 }
 
@@ -216,7 +224,9 @@ hbShearFactorisation::Axis hbShearFactorisation::onPixels(const Axis& axis, int 
   const double place = axis.place(h[d] / h.z);
   if (!(h.z > 0.0 && 1.0 + axis.bend * place > 0.0)) return axis;
   const double before = place - std::floor(place) - 1.0;
-  return axis.from(before, axis.count + 1);
+  // A projected row must not be moved over its pole.
+  const bool isWhole = 1.0 + axis.bend * before > 0.0 && 1.0 + axis.bend * (before + axis.count) > 0.0;
+  return isWhole ? axis.from(before, axis.count + 1) : axis;
 }
 
 void hbShearFactorisation::placeRays(int supersample) {

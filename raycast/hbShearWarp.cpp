@@ -14,15 +14,16 @@ struct hbShearWarp::Parts {
   hbScene scene; ///< With its camera.
   std::vector<hbShearFactorisation> factorisations;
   std::unique_ptr<const hbPixelRays> rays;
-  std::vector<std::vector<hbLatticeEvaluator>> evaluators; ///< One list a factorisation, one evaluator a component.
-  std::shared_ptr<const hbField> points;                   ///< The same function at any point.
-  int component = 0;                                       ///< Of `points`.
-  hbValueMap map;                                          ///< Of the grid.
+  using Evaluators = std::vector<hbLatticeEvaluator>;        ///< One a component.
+  std::vector<std::shared_ptr<const Evaluators>> evaluators; ///< One list a factorisation; equal orders share it.
+  std::shared_ptr<const hbField> points;                     ///< The same function at any point.
+  int component = 0;                                         ///< Of `points`.
+  hbValueMap map;                                            ///< Of the grid.
   hbSliceCompositor::Memory memory;
 
   hbSliceCompositor compositor(std::size_t i) {
     const float iso = scene.isoValue ? float(points->valueMap().fromTrue(*scene.isoValue)) : 0.0F;
-    return {factorisations[i], {evaluators[i], scene.magnitude, map}, scene.mode, iso, memory};
+    return {factorisations[i], {*evaluators[i], scene.magnitude, map}, scene.mode, iso, memory};
   }
   std::int64_t steps() {
     std::int64_t sum = 0;
@@ -46,9 +47,18 @@ hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const O
   parts_->rays = std::make_unique<const hbPixelRays>(*with.camera, with.width, with.height, grid.geometry());
   parts_->factorisations = hbShearFactorisation::of(with, grid.geometry(), *parts_->rays, options.supersample);
   for (const hbShearFactorisation& one : parts_->factorisations) {
-    std::vector<hbLatticeEvaluator>& list = parts_->evaluators.emplace_back();
+    const auto same = std::find_if(parts_->factorisations.begin(), parts_->factorisations.end(),
+                                   [&](const hbShearFactorisation& other) {
+                                     return &other == &one || (other.order() == one.order() && !other.isEmpty());
+                                   });
+    if (&*same != &one) {
+      parts_->evaluators.push_back(parts_->evaluators[std::size_t(same - parts_->factorisations.begin())]);
+      continue;
+    }
+    auto list = std::make_shared<Parts::Evaluators>();
     for (int c = 0; c < grid.components() && !one.isEmpty(); ++c)
-      if (with.magnitude || c == with.component) list.emplace_back(grid, c, one.order());
+      if (with.magnitude || c == with.component) list->emplace_back(grid, c, one.order());
+    parts_->evaluators.push_back(std::move(list));
   }
   parts_->map = grid.valueMap();
   parts_->points = std::shared_ptr<const hbField>(std::shared_ptr<const hbField>(), &grid);
@@ -64,7 +74,8 @@ const hbScene& hbShearWarp::scene() const { return parts_->scene; }
 
 std::vector<int> hbShearWarp::slices() const {
   std::vector<int> list;
-  for (const hbShearFactorisation& one : parts_->factorisations) list.push_back(one.slices());
+  for (const hbShearFactorisation& one : parts_->factorisations)
+    if (!one.isEmpty()) list.push_back(one.slices());
   return list;
 }
 

@@ -46,7 +46,7 @@ public:
 
   /// With the camera that was chosen, and everything else as given.
   const hbScene& scene() const;
-  /// The slices in each main direction that the picture needs; none where the volume is not in view.
+  /// The slices in each main direction that the picture needs; none where no ray meets the cube.
   std::vector<int> slices() const;
   /// What a frame takes at its peak beside the picture, in bytes.
   double bytes() const;

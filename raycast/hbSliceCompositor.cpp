@@ -37,7 +37,8 @@ std::int64_t hbSliceCompositor::steps() const { return std::int64_t(bands_) * (r
 
 double hbSliceCompositor::bytes() const {
   const double rays = double(rays_.u().count) * rays_.v().count, band = rays / std::max(1, bands_);
-  return 8.0 * rays + band * (8.0 * chunks_ * std::min(kBandsAtOnce, bands_) + 2.0 * 4.0 * (Scratch::kGroup + 3));
+  return 8.0 * rays + band * 8.0 * chunks_ * std::min(kBandsAtOnce, bands_) +
+         hb::parallelThreads() * (band * 4.0 * (Scratch::kGroup + 3) + sampler_.bytes());
 }
 
 /// The slices at which a ray's chord begins or ends stand for more or less than a slab.

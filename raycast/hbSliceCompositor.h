@@ -32,7 +32,7 @@ public:
   std::vector<double> run(hbProgress& progress) const;
   /// What run() reports to progress.
   std::int64_t steps() const;
-  /// What run() takes at its peak with the result, on two threads, in bytes.
+  /// What run() takes at its peak with the result, in bytes.
   double bytes() const;
 
 private:

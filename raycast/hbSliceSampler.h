@@ -52,6 +52,9 @@ public:
   /// where that lies behind the camera's plane.
   void sample(int n, const Rectangle& r, Scratch& scratch, float hidden, float* out) const;
 
+  /// What sample() needs of the scratch at most, in bytes, a band's rays apart.
+  double bytes() const { return source_.components.empty() ? 0.0 : source_.components[0].bytes(rays_.u().count); }
+
 private:
   void lengths(double w, Scratch& scratch, float* out) const;
 

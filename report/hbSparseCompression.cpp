@@ -99,8 +99,8 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
     throw hbError(fmt::format("{}: expected a volume or a field, found a sparse grid", original.name));
   const hbInput input = atLevel(original, level);
   const hbIndexSet set = indexSet(input);
-  // 8 bytes a node while hierarchising, 4 a component for the surpluses, and as much again for the form that errors are
-  // measured with, and while they are packed.
+  // For each node and component 8 bytes while hierarchising and 4 for the surpluses, as much again for the form that
+  // errors are measured with, and while they are packed; and something for what is being read.
   const double need = double(set.storedValues()) * (12.0 + 12.0 * input.components());
   if (need > double(memoryLimit))
     throw hbError(fmt::format("{}: level {} needs about {:.3g} MB, more than the memory limit of {:.3g} MB", input.name,
@@ -112,8 +112,9 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
   const auto source = input.field(hbEngine::full, nonFinite);
   const auto interpolate = [&] {
     try {
+      if (!input.volume) return hbSparseGrid::interpolate(*source, set, mapping, progress);
       return hbSparseGrid::interpolate(*source, set, mapping, progress, [&](std::int64_t first, std::int64_t last) {
-        if (input.volume) input.volume->releasePlanes(first, last);
+        input.volume->releasePlanes(first, last);
       });
     } catch (const hbCancelled&) {
       throw;

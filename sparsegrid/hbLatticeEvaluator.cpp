@@ -20,6 +20,17 @@ Real* aligned(std::vector<Real>& memory, std::size_t size) {
 
 } // namespace
 
+double hbLatticeEvaluator::bytes(int size) const {
+  double sums = 0.0, coarse = 0.0;
+  const hbIndexSet& set = blocks_.grid().indexSet();
+  for (int row = 0; row <= set.finest()[order().row]; ++row) {
+    for (const std::size_t block : blocks_.besideRow(std::size_t(row)))
+      sums += double(blocks_.block(block).nodesFast) * double(blocks_.block(block).nodesRow);
+    if (row < blocks_.split()) coarse += double(hbIndexSet::axisNodes(set.flat()[order().row], row));
+  }
+  return sums * sizeof(double) + (coarse + 1.0) * double(rowStride(std::size_t(size))) * sizeof(float);
+}
+
 template <class Real>
 void hbLatticeEvaluator::sumPlanes(const hbLatticePlanOf<Real>& plan, double w,
                                    hbLatticeWorkspaceOf<Real>& workspace) const {

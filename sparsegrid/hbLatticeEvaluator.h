@@ -12,7 +12,7 @@
 /// For a place along the plane axis the surpluses are summed over that axis' levels into one array for each pair of
 /// levels of the other two (a *block*). The row axis is split in two. Its coarse levels are evaluated at the
 /// samples of the fast axis first, line by line, and dehierarchised: nodal *coarse rows*, between which a row is one
-/// linear interpolation. Beside its fine levels the fast axis is so coarse (at most 32 cells) that their sum at a
+/// linear interpolation. Beside its fine levels the fast axis is so coarse (at most 16 cells) that their sum at a
 /// row is a small table, looked up for every sample. A sample so costs a step between two coarse rows and one within a
 /// cell of the table, whatever the level of the grid.
 ///
@@ -47,6 +47,9 @@ public:
   template <class Real>
   void plane(const hbLatticePlanOf<Real>& plan, double w, hbLatticeWorkspaceOf<Real>& workspace, Real* out,
              std::size_t strideRow, bool pastCaches = false) const;
+
+  /// What plane() needs of the workspace at most for so many samples a row, in bytes.
+  double bytes(int size) const;
 
 private:
   template <class Real>

@@ -188,7 +188,9 @@ std::vector<std::vector<double>> hbNodeSampler::sample(hbProgress& progress, con
   progress.begin("reading nodes", set_.storedValues() * components, "nodes");
   Values values(static_cast<std::size_t>(components));
   for (std::vector<double>& component : values) component.resize(std::size_t(set_.storedValues()));
-  const std::int64_t most = std::max<std::int64_t>(1, kBandSamples / (size_.x * size_.y * components)); // planes
+  // Planes of a band; where nobody waits for its end, the whole is one, which keeps all threads busy.
+  const std::int64_t most =
+      afterBand ? std::max<std::int64_t>(1, kBandSamples / (size_.x * size_.y * components)) : size_.z + 1;
   for (std::size_t begin = 0; begin < inside.size();) {
     const std::int64_t first = samplesOf(inside[begin]).first;
     std::int64_t last = first;

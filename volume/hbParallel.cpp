@@ -4,6 +4,7 @@
 #include "volume/hbParallel.h"
 
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #ifdef HBVOL_TELL_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
@@ -44,3 +45,5 @@ void hb::parallelFor(std::int64_t count, const std::function<void(std::int64_t)>
     body(i);
   });
 }
+
+int hb::parallelThreads() { return oneapi::tbb::this_task_arena::max_concurrency(); }

@@ -12,4 +12,7 @@ namespace hb {
 /// tasks: ThreadSanitizer cannot see into Debian's TBB, so this tells it what waits for what.
 void parallelFor(std::int64_t count, const std::function<void(std::int64_t)>& body);
 
+/// How many threads parallelFor() may use here.
+int parallelThreads();
+
 } // namespace hb

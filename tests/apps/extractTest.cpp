@@ -1,6 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <random>
 
 #include <fmt/format.h>
@@ -8,6 +12,7 @@
 
 #include "raycast/hbInput.h"
 #include "tests/apps/hbAppTest.h"
+#include "volume/hbLatticeParts.h"
 #include "volume/hbSubLattice.h"
 #include "volume/hbVolumeReader.h"
 
@@ -54,7 +59,7 @@ TEST_F(extract, KeepsTheBoxAtAnotherSize) {
 }
 
 TEST_F(extract, WritesWhatTheFieldIsInMemory) {
-  // One component and several, a flat axis, values that need a map, and planes enough for several parts.
+  // One component and several, a flat axis, values that need a map.
   writeVolume<float>("one.nrrd", {33, 20, 17}, 1,
                      [](auto x, auto y, auto z, int) { return std::sin(0.3 * double(x * y + z)); });
   writeVolume<std::int16_t>("three.nrrd", {9, 12, 1}, 3,
@@ -154,13 +159,49 @@ TEST_F(extract, BoxesAndLevelsOfDetailAreSamplesOfTheVolume) {
   }
 }
 
+// Few large planes are cut into strips of rows.
+TEST_F(extract, StripsOfRowsMakeUpPlanes) {
+  writeVolume<float>("v.nrrd", {9, 9, 3}, 2, [](auto x, auto y, auto z, int c) { return double(x * y + z) - 3.0 * c; });
+  EXPECT_RUNS(run({"compress", "v.nrrd", "v.hbv"}));
+  EXPECT_RUNS(run({"extract", "v.hbv", "e.nrrd", "--size", "500x400x3"}));
+  const hbInput input = hbInput::open(path("v.hbv"), {});
+  const hbSubLattice lattice = hbSubLattice(input.geometry()).resized({500, 400, 3});
+  const auto xs = lattice.cubeCoordinates(0), ys = lattice.cubeCoordinates(1), zs = lattice.cubeCoordinates(2);
+  ASSERT_GT(hbLatticeParts(xs, ys, zs).count(), 3);
+  std::array<std::vector<float>, 2> expected;
+  for (int c = 0; c < 2; ++c) {
+    expected[std::size_t(c)].resize(500 * 400 * 3);
+    input.field(hbEngine::direct)->lattice(xs, ys, zs, c, expected[std::size_t(c)].data(), 500, 500 * 400);
+  }
+  const hbVolume made = hb::readVolume(folder_ / "e.nrrd");
+  std::size_t i = 0, different = 0;
+  for (int z = 0; z < 3; ++z)
+    for (int y = 0; y < 400; ++y)
+      for (int x = 0; x < 500; ++x, ++i)
+        for (int c = 0; c < 2; ++c) different += made.value(x, y, z, c) != double(expected[std::size_t(c)][i]) ? 1 : 0;
+  EXPECT_EQ(different, 0U);
+}
+
 TEST_F(extract, NeedsTheMemoryOfASlab) {
   EXPECT_RUNS(run({"compress", "field:smooth,size=320", "v.hbv", "--level", "3", "--measure", "none"}));
   hbProgramRun::Conditions full;
   full.fileBytes = std::uint64_t{40} << 20; // the second slab does not fit
   expectFailureLeavesAll({"extract", "v.hbv", "e.nrrd", "--size", "320"}, 1, "e.nrrd: cannot be written", full);
-  EXPECT_RUNS(run({"extract", "v.hbv", "e.nrrd", "--size", "320", "--stats", "s.json"}));
+  // Two threads: each has memory of its own.
+  EXPECT_RUNS(run({"extract", "v.hbv", "e.nrrd", "--size", "320", "--stats", "s.json", "--threads", "2"}));
   EXPECT_EQ(json("s.json")["bytes"], 320 * 320 * 320 * 4);
+  // The second slab follows the first: all bytes are those of the field in memory.
+  const hbInput input = hbInput::open(path("v.hbv"), {});
+  const hbSubLattice lattice = hbSubLattice(input.geometry()).resized({320, 320, 320});
+  const auto xs = lattice.cubeCoordinates(0), ys = lattice.cubeCoordinates(1), zs = lattice.cubeCoordinates(2);
+  std::vector<float> expected(std::size_t(320) * 320 * 320);
+  input.field(hbEngine::direct)->lattice(xs, ys, zs, 0, expected.data(), 320, 320 * 320);
+  std::ifstream in(folder_ / "e.nrrd", std::ios::binary);
+  const std::string file{std::istreambuf_iterator<char>(in), {}};
+  ASSERT_GT(file.size(), expected.size() * sizeof(float));
+  EXPECT_EQ(std::memcmp(file.data() + file.size() - expected.size() * sizeof(float), expected.data(),
+                        expected.size() * sizeof(float)),
+            0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // their own memory is counted, too
   // 125 MB of samples, a slab of 24 MB, and what the threads' stacks and a row of the grid take.
   EXPECT_LT(json("s.json")["memory_growth_bytes"], std::int64_t{40} << 20);

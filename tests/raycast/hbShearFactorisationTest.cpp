@@ -1,8 +1,10 @@
 #include "raycast/hbShearFactorisation.h"
 
+#include <random>
 #include <set>
 
 #include <glm/trigonometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <gtest/gtest.h>
 
 #include "tests/raycast/hbTestScenes.h"
@@ -204,4 +206,37 @@ TEST(hbShearFactorisation, InsideIsWhatLiesInTheCube) {
           }
         }
       }
+}
+
+// Rays of a wide picture are projected rows whose pole lies near the picture's edge, which moving them onto the pixels
+// must not cross: every ray that meets a slice has neighbours.
+TEST(hbShearFactorisation, WideAnglesKeepTheirRays) {
+  const hbGeometry g = box({9, 9, 9}, {1.0, 1.0, 1.0});
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> within(-1.0, 1.0);
+  const auto anywhere = [&] { return glm::dvec3(within(random), within(random), within(random)); };
+  for (int round = 0; round < 1000; ++round) {
+    hbCamera camera;
+    camera.projection = Projection::perspective;
+    camera.position = glm::dvec3(g.cubeToWorld() * glm::dvec4(0.5 + 0.4 * anywhere(), 1.0));
+    camera.target = camera.position + anywhere();
+    camera.up = anywhere();
+    camera.fieldOfView = round % 2 == 0 ? 160.0 : 170.0;
+    const hbScene scene = sceneOf(hbMode::xray, camera, 14, 11);
+    const hbPixelRays rays(camera, scene.width, scene.height, g);
+    for (const hbShearFactorisation& f : hbShearFactorisation::of(scene, g, rays, 1))
+      for (int y = 0; y < scene.height; ++y)
+        for (int x = 0; x < scene.width; ++x) {
+          const double px = x + 0.5, py = y + 0.5;
+          if (!f.owns(px, py)) continue;
+          const glm::dvec2 base = f.base(px, py);
+          bool meets = false;
+          for (int n = f.firstSlice(); n < f.slices() && !meets; ++n) {
+            const glm::dvec3 p = f.point(f.slice(n), base.x, base.y);
+            // Well inside the cube, so that rounding does not decide.
+            meets = glm::all(glm::greaterThan(p, glm::dvec3(1e-6))) && glm::all(glm::lessThan(p, glm::dvec3(1 - 1e-6)));
+          }
+          EXPECT_TRUE(!meets || f.neighbours(px, py).count > 0) << round << " " << x << " " << y;
+        }
+  }
 }

@@ -121,13 +121,13 @@ public:
     return sum * grid_.latticeScale() * grid_.valueMap().scale;
   }
 
-  /// Rounding of a value on a slice (doc/sparse-grids.md, hbLatticeEvaluator): a coarse row, two operations a level of
-  /// the row axis, and 14 between rows and in the table.
+  /// Rounding of a value on a slice, whichever axis its rows follow.
   double rounding() const {
-    const glm::ivec3 finest = grid_.indexSet().finest();
-    double amplitude = 0.0;
-    for (int c = 0; c < grid_.components(); ++c) amplitude += hbTestSets::amplitude(grid_, c);
-    return (15.0 + 2.0 * std::max({finest.x, finest.y, finest.z})) * 0x1p-24 * amplitude * grid_.valueMap().scale;
+    double sum = 0.0;
+    for (int c = 0; c < grid_.components(); ++c)
+      sum += std::max({hbTestSets::latticeBound(grid_, 0, c), hbTestSets::latticeBound(grid_, 1, c),
+                       hbTestSets::latticeBound(grid_, 2, c)});
+    return sum * grid_.valueMap().scale;
   }
 
 private:

@@ -296,6 +296,8 @@ TEST(hbShearWarp, SeesNothingWhereThereIsNothing) {
     for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso}) {
       away.projection = projection;
       const hbShearWarp warp(grid, sceneOf(mode, away), {});
+      // Parallel rays meet the cube behind the camera's plane.
+      EXPECT_EQ(warp.slices().empty(), projection == Projection::perspective);
       const hbPicture picture = warp.render();
       EXPECT_EQ(channel(picture, "A"), std::vector<float>(14 * 11, 0.0F));
       EXPECT_EQ(channel(picture, "Y"), std::vector<float>(14 * 11, 0.0F));
