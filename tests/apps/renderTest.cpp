@@ -94,8 +94,9 @@ TEST_F(render, TheLatticeEngineDrawsTheSame) {
     const double values = hbTestSets::latticeBound(input.sparse->grid) + hbTestSets::semiNodalBound(input.sparse->grid);
     const double largest = hbTestSets::amplitude(input.sparse->grid), length = input.geometry().extent().x;
     const double tolerance = (values + 2 * 0x1p-24 * largest) * std::max(1.0, length);
-    if (std::string(mode) != "iso")
+    if (std::string(mode) != "iso") {
       EXPECT_LE(run({"diff", "lattice.exr", "seminodal.exr", "--json"}).json()["max"].get<double>(), tolerance) << mode;
+    }
     EXPECT_EQ(covered(picture("lattice.exr")), covered(picture("seminodal.exr")));
     EXPECT_EQ(picture("lattice.exr").metadata.at("hbvol.engine"), "lattice");
   }
