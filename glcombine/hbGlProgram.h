@@ -1,0 +1,32 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <glm/vec3.hpp>
+
+#include "glcombine/hbGlFunctions.h"
+
+/// A vertex and a fragment shader, linked. The context must be current wherever it is used.
+class hbGlProgram {
+public:
+  /// Keeps a reference to `gl`. Throws hbError with the log of what does not compile or link.
+  hbGlProgram(const hbGlFunctions& gl, const std::string& vertexShader, const std::string& fragmentShader);
+  ~hbGlProgram();
+  hbGlProgram(const hbGlProgram&) = delete;
+  hbGlProgram& operator=(const hbGlProgram&) = delete;
+
+  void use() const { gl_.UseProgram(program_); }
+  /// Sets a uniform of the program in use; one that the compiler found unnecessary is left out.
+  void set(const char* name, int value) const;
+  void set(const char* name, float value) const;
+  void set(const char* name, const glm::vec3& value) const;
+
+private:
+  GLuint compile(GLenum kind, const std::string& source) const;
+  GLint location(const char* name) const;
+
+  const hbGlFunctions& gl_;
+  GLuint program_ = 0;
+  mutable std::map<std::string, GLint> locations_;
+};
