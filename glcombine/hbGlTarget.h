@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "glcombine/hbGlFormat.h"
+#include "glcombine/hbGlTexture.h"
+
+/// A picture of one channel to draw into, off screen. The context must be current wherever it is used.
+class hbGlTarget {
+public:
+  /// Keeps a reference to `gl`; cleared to 0. Throws hbError where the driver cannot draw into this format.
+  hbGlTarget(const hbGlFunctions& gl, int width, int height, hbGlFormat format);
+  ~hbGlTarget();
+  hbGlTarget(const hbGlTarget&) = delete;
+  hbGlTarget& operator=(const hbGlTarget&) = delete;
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// What is drawn from now on is drawn here.
+  void bind() const;
+  void clear(float value) const;
+  /// All pixels as floats, rows as OpenGL has them: the first drawn at y = -1 comes first. `out` takes width * height.
+  void read(std::vector<float>& out) const;
+
+private:
+  const hbGlFunctions& gl_;
+  int width_, height_;
+  hbGlTexture texture_;
+  GLuint name_ = 0;
+};

@@ -1,0 +1,126 @@
+#include "glcombine/hbOglSparseGrid.h"
+
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "glcombine/hbGlContext.h"
+#include "glcombine/hbGlFunctions.h"
+#include "glcombine/hbGlTexture.h"
+#include "tests/sparsegrid/hbTestSets.h"
+#include "volume/fields/hbAnalyticField.h"
+
+namespace {
+
+using Form = hbTextureLayout::Form;
+
+hbCombinationSparseGrid gridOf(const char* field, const hbIndexSet& set) {
+  return hbCombinationSparseGrid(hbSparseGrid::interpolate(
+      *hbAnalyticField::create(field)->withSize(hbTestSets::sizeOf(set)), set, hbLatticeMapping::fitted));
+}
+
+/// An oblique plane that leaves the cube at some corners.
+hbOglSparseGrid::Plane oblique() {
+  return {{-0.05, 0.1, 0.2}, {0.9 / 37, 0.3 / 37, 0.1 / 37}, {0.2 / 23, 0.7 / 23, 0.5 / 23}, 37, 23};
+}
+
+glm::dvec3 sample(const hbOglSparseGrid::Plane& plane, int x, int y) {
+  return plane.corner + (x + 0.5) * plane.right + (y + 0.5) * plane.down;
+}
+
+/// Neither in nor out for rounding.
+bool isInside(const glm::dvec3& p) {
+  for (int d = 0; d < 3; ++d)
+    if (!(p[d] > 1e-6 && p[d] < 1.0 - 1e-6)) return false;
+  return true;
+}
+
+struct Bounds {
+  double largest = 0.0;   ///< Nodal value.
+  double weights = 0.0;   ///< Sum of the coefficients' magnitudes.
+  double steepness = 0.0; ///< Sum of those times the slopes: how far a step of 1 in the coordinates moves a value.
+};
+Bounds boundsOf(const hbCombinationSparseGrid& grid) {
+  Bounds bounds;
+  for (const auto& one : grid.grids()) {
+    for (const float value : grid.values(one, 0)) bounds.largest = std::max(bounds.largest, double(std::abs(value)));
+    bounds.weights += std::abs(one.coefficient);
+    for (int d = 0; d < 3; ++d) bounds.steepness += std::abs(one.coefficient) * 2.0 * std::exp2(one.levels[d]);
+  }
+  bounds.steepness *= bounds.largest;
+  return bounds;
+}
+
+} // namespace
+
+TEST(hbOglSparseGrid, FloatsAreTheCombinationUpToRounding) {
+  const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
+  const hbGlCurrent current(*context);
+  const hbIndexSet sets[] = {hbIndexSet::regular(5, {}), hbIndexSet::regular(3, {{20, 20, 0}, {false, false, true}}),
+                             hbIndexSet::regular(4, {{2, 20, 0}, {false, false, false}})};
+  for (const hbIndexSet& set : sets)
+    for (const Form form : {Form::exact, Form::padded}) {
+      const hbCombinationSparseGrid grid = gridOf("vortex", set);
+      const hbOglSparseGrid drawn(*context, grid, 0, {hbGlFormat::r32f, hbGlFormat::r32f, form});
+      const hbOglSparseGrid::Plane plane = oblique();
+      std::vector<float> out;
+      drawn.values(plane, out);
+      ASSERT_EQ(out.size(), std::size_t(37 * 23));
+      // Values: as the combination engine's, with every addition in 32 bits, each of a partial sum up to the sum of the
+      // weights. Coordinates: 8 roundings of the corners, their interpolation, scale and offset, and the filter's
+      // texel.
+      const Bounds b = boundsOf(grid);
+      const double terms = double(grid.grids().size());
+      const double tolerance = (18.0 + terms) * 0x1p-24 * b.weights * b.largest + 8 * 0x1p-24 * b.steepness;
+      int inside = 0;
+      for (int y = 0; y < plane.height; ++y)
+        for (int x = 0; x < plane.width; ++x) {
+          const glm::dvec3 p = sample(plane, x, y);
+          const float value = out[std::size_t(x + plane.width * y)];
+          if (isInside(p)) {
+            ++inside;
+            const std::array<double, 3> at{p.x, p.y, p.z};
+            double exact = 0.0;
+            grid.values(hbPoints64{{&at[0], 1}, {&at[1], 1}, {&at[2], 1}}, 0, {&exact, 1});
+            EXPECT_NEAR(value, exact, tolerance) << x << " " << y;
+          } else if (glm::any(glm::lessThan(p, glm::dvec3(-1e-6))) ||
+                     glm::any(glm::greaterThan(p, glm::dvec3(1 + 1e-6)))) {
+            EXPECT_EQ(value, 0.0F) << x << " " << y;
+          }
+        }
+      EXPECT_GT(inside, 200);
+      EXPECT_LT(inside, 37 * 23);
+    }
+}
+
+TEST(hbOglSparseGrid, TextureBytesAreThoseOfTheTable) {
+  const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
+  const hbGlCurrent current(*context);
+  const hbIndexSet set = hbIndexSet::regular(5, {});
+  const hbCombinationSparseGrid grid = gridOf("smooth", set);
+  for (const auto& [format, bytes] :
+       {std::pair(hbGlFormat::r8, 1), {hbGlFormat::r16, 2}, {hbGlFormat::r16f, 2}, {hbGlFormat::r32f, 4}}) {
+    EXPECT_EQ(hbOglSparseGrid(*context, grid, 0, {format, format, Form::padded}).textureBytes(), 22016 * bytes);
+    EXPECT_EQ(hbOglSparseGrid(*context, grid, 0, {format, format, Form::exact}).textureBytes(), 5687 * bytes);
+  }
+}
+
+TEST(hbOglSparseGrid, LeavesNoTexturesBehind) {
+  const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
+  const hbGlCurrent current(*context);
+  const hbCombinationSparseGrid grid = gridOf("smooth", hbIndexSet::regular(4, {}));
+  const auto alive = [&] {
+    int count = 0;
+    for (GLuint name = 1; name < 1000; ++name) count += context->gl().IsTexture(name) ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(alive(), 0);
+  for (int round = 0; round < 3; ++round) {
+    const hbOglSparseGrid drawn(*context, grid, 0, {});
+    std::vector<float> out;
+    drawn.values(oblique(), out);
+    EXPECT_EQ(alive(), drawn.textures() + 1); // and the target's
+  }
+  EXPECT_EQ(alive(), 0);
+}
