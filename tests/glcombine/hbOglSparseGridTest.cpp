@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "glcombine/hbFixedPointTarget.h"
 #include "glcombine/hbGlContext.h"
 #include "glcombine/hbGlFunctions.h"
 #include "glcombine/hbGlTexture.h"
@@ -34,6 +35,31 @@ bool isInside(const glm::dvec3& p) {
   for (int d = 0; d < 3; ++d)
     if (!(p[d] > 1e-6 && p[d] < 1.0 - 1e-6)) return false;
   return true;
+}
+
+/// One component grid's value, in 64 bits.
+double trilinear(const hbCombinationSparseGrid& grid, const hbCombinationSparseGrid::Grid& one, const glm::dvec3& p) {
+  const auto values = grid.values(one, 0);
+  std::array<std::int64_t, 3> cell{};
+  std::array<double, 3> t{};
+  for (int d = 0; d < 3; ++d) {
+    const double place = p[d] * double(one.nodes[d] - 1);
+    cell[std::size_t(d)] = std::min(std::int64_t(place), std::max<std::int64_t>(one.nodes[d] - 2, 0));
+    t[std::size_t(d)] = place - double(cell[std::size_t(d)]);
+  }
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1.0;
+    std::int64_t index = 0, stride = 1;
+    for (int d = 0; d < 3; ++d) {
+      const int up = corner >> d & 1;
+      weight *= up ? t[std::size_t(d)] : 1.0 - t[std::size_t(d)];
+      index += stride * std::min(cell[std::size_t(d)] + up, one.nodes[d] - 1);
+      stride *= one.nodes[d];
+    }
+    sum += weight * values[std::size_t(index)];
+  }
+  return sum;
 }
 
 struct Bounds {
@@ -92,6 +118,49 @@ TEST(hbOglSparseGrid, FloatsAreTheCombinationUpToRounding) {
       EXPECT_GT(inside, 200);
       EXPECT_LT(inside, 37 * 23);
     }
+}
+
+// Where a real target rounds is its own: what is drawn, before it is blended, or only the result. Either is up to half
+// a step, so real and emulated targets drift apart by a step a blend at the most, and clamping brings them no farther
+// apart.
+TEST(hbOglSparseGrid, FixedPointTargetsLoseWhatTheEmulatorSays) {
+  const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
+  const hbGlCurrent current(*context);
+  const hbCombinationSparseGrid grid = gridOf("hydrogen", hbIndexSet::regular(5, {}));
+  float least = 0.0F, greatest = 0.0F;
+  double positive = 0.0;
+  for (const auto& one : grid.grids()) {
+    for (const float value : grid.values(one, 0)) {
+      least = std::min(least, value);
+      greatest = std::max(greatest, value);
+    }
+    positive += std::max(one.coefficient, 0);
+  }
+  for (const auto& [format, bits] : {std::pair(hbGlFormat::r8, 8), {hbGlFormat::r16, 16}}) {
+    const hbOglSparseGrid drawn(*context, grid, 0, {hbGlFormat::r32f, format, Form::exact});
+    const hbOglSparseGrid::Plane plane = oblique();
+    std::vector<float> out;
+    drawn.values(plane, out);
+    const double step = 2.0 * hbFixedPointTarget(bits).halfStep() * (greatest - least) * positive;
+    double worst = 0.0;
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) {
+        const glm::dvec3 p = sample(plane, x, y);
+        if (!isInside(p)) continue;
+        hbFixedPointTarget target(bits);
+        for (const bool isPositive : {true, false})
+          for (const auto& one : grid.grids()) {
+            if ((one.coefficient > 0) != isPositive) continue;
+            const double value =
+                std::abs(one.coefficient) * (trilinear(grid, one, p) - least) / ((double(greatest) - least) * positive);
+            isPositive ? target.add(value) : target.reverseSubtract(value);
+          }
+        const double expected = least + target.value() * (double(greatest) - least) * positive;
+        worst = std::max(worst, std::abs(out[std::size_t(x + plane.width * y)] - expected));
+      }
+    EXPECT_LE(worst, double(grid.grids().size()) * step) << bits;
+    EXPECT_GT(worst, 0.0) << bits; // 8 bits of a positive sum of 21 are not exact
+  }
 }
 
 TEST(hbOglSparseGrid, TextureBytesAreThoseOfTheTable) {
