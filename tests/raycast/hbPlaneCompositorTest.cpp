@@ -1,0 +1,108 @@
+#include "raycast/hbPlaneCompositor.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "raycast/hbRaycaster.h"
+#include "tests/raycast/hbShearReference.h"
+#include "tests/raycast/hbTestScenes.h"
+#include "volume/hbError.h"
+
+using namespace hbTestScenes;
+
+namespace {
+
+/// Hands the planes over, evaluated point by point.
+hbPicture composited(const hbField& field, const hbScene& scene) {
+  hbPlaneCompositor planes(field, scene);
+  std::vector<float> x, y, z, values(std::size_t(scene.width * scene.height));
+  for (int i = 0; i < planes.planes(); ++i) {
+    const hbPlaneCompositor::Plane plane = planes.plane(i);
+    x.clear();
+    y.clear();
+    z.clear();
+    for (int py = 0; py < scene.height; ++py)
+      for (int px = 0; px < scene.width; ++px) {
+        const glm::dvec3 p = plane.corner + (px + 0.5) * plane.right + (py + 0.5) * plane.down;
+        x.push_back(float(p.x));
+        y.push_back(float(p.y));
+        z.push_back(float(p.z));
+      }
+    field.values({x, y, z}, scene.component, values);
+    planes.add(i, values);
+  }
+  return planes.finish();
+}
+
+hbScene planewise(hbMode mode, const hbCamera& camera) {
+  hbScene scene = sceneOf(mode, camera, 19, 13);
+  scene.sampling.kind = hbSampling::Kind::planewise;
+  return scene;
+}
+
+} // namespace
+
+// The two find the same points but for rounding to floats, by 2^-24 a coordinate and half of that again.
+TEST(hbPlaneCompositor, XrayAndMipArePlanewiseRayCasting) {
+  for (const hbGeometry& g : {box({9, 9, 9}, {1.0, 1.0, 1.0}), awkward()}) {
+    const hbSparseGrid grid = gridOf(g, 3, {waves});
+    for (const hbCamera& camera : cameras(g))
+      for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
+        const hbScene scene = planewise(mode, camera);
+        hbShearReference reference(grid, scene, 1);
+        const hbPicture expected = hbRaycaster(grid, scene).render(), found = composited(grid, scene);
+        EXPECT_EQ(channel(found, "A"), channel(expected, "A"));
+        const std::vector<float> ys = channel(found, "Y"), exact = channel(expected, "Y");
+        const double perValue = glm::dot(reference.slopes(), glm::dvec3(3 * 0x1p-24));
+        // An X-ray is a sum of values times at most its length in the volume and a slab.
+        const double longest = glm::length(g.extent()) + scene.sampling.stepLength(g, camera) * 16.0;
+        for (std::size_t i = 0; i < ys.size(); ++i)
+          EXPECT_NEAR(ys[i], exact[i], perValue * (mode == hbMode::xray ? longest : 1.0) + 0x1p-22 * std::abs(exact[i]))
+              << i;
+      }
+  }
+}
+
+// Of a linear field, whose difference between two planes is known along every ray.
+TEST(hbPlaneCompositor, IsoSurfacesLieWherePlanewiseRayCastingFindsThem) {
+  const hbGeometry g = awkward();
+  const hbSparseGrid grid = gridOf(g, 1, {[](const glm::dvec3& p) { return p.x + 2.0 * p.y + 3.0 * p.z - 2.7; }});
+  const glm::dvec3 slopes(1.0, 2.0, 3.0);
+  int surfaces = 0;
+  for (const hbCamera& camera : cameras(g)) {
+    const hbScene scene = planewise(hbMode::iso, camera);
+    const hbPicture expected = hbRaycaster(grid, scene).render(), found = composited(grid, scene);
+    EXPECT_EQ(channel(found, "A"), channel(expected, "A"));
+    const double step = scene.sampling.stepLength(g, camera);
+    for (int y = 0; y < scene.height; ++y)
+      for (int x = 0; x < scene.width; ++x) {
+        const auto i = std::size_t(x + scene.width * y);
+        if (channel(expected, "A")[i] == 0.0F) continue;
+        ++surfaces;
+        const hbRay ray = camera.ray(x + 0.5, y + 0.5, scene.width, scene.height);
+        const glm::dvec3 way(glm::inverse(g.cubeToWorld()) * glm::dvec4(ray.direction, 0.0));
+        const double change = std::abs(glm::dot(way, slopes)) * step / glm::dot(ray.direction, camera.viewAxis());
+        // Three values rounded to floats of up to 8 (of a difference of them, and of what they are evaluated at).
+        const double inSteps = 12 * 8 * 0x1p-24 / change;
+        const double z = channel(expected, "Z")[i];
+        EXPECT_NEAR(channel(found, "Z")[i], z, inSteps * step + 0x1p-22 * std::abs(z)) << x << " " << y;
+        EXPECT_NEAR(channel(found, "value")[i], channel(expected, "value")[i], inSteps * change + 12 * 8 * 0x1p-24);
+        // The differences of the same linear field over the same spacing.
+        for (const char* n : {"Y", "N.X", "N.Y", "N.Z"})
+          EXPECT_NEAR(channel(found, n)[i], channel(expected, n)[i], 1e-4) << n;
+      }
+  }
+  EXPECT_GT(surfaces, 500);
+}
+
+TEST(hbPlaneCompositor, RefusesWhatTheRayCasterDoes) {
+  const hbGeometry g = box({9, 9, 9}, {1.0, 1.0, 1.0});
+  const hbSparseGrid grid = gridOf(g, 3, {waves});
+  hbScene scene = planewise(hbMode::iso, hbCamera::framing(g));
+  scene.isoValue.reset();
+  EXPECT_THROW(hbPlaneCompositor(grid, scene), hbError);
+  scene.mode = hbMode::xray;
+  scene.component = 1;
+  EXPECT_THROW(hbPlaneCompositor(grid, scene), hbError);
+}
