@@ -80,9 +80,14 @@ void hbOglSparseGrid::Parts::upload(const hbTextureLayout& layout, const hbSize3
                   {float(x.from), float(y.from), float(z.from)},
                   {},
                   float(std::abs(coefficient) / divisor)};
+        // A plane that two pieces share belongs to the second; the cube's faces may be passed by what coordinates
+        // round.
+        constexpr float kRounding = 0x1p-21F;
         const std::array<double, 3> to{x.to, y.to, z.to};
-        for (int d = 0; d < 3; ++d) // the cube's upper faces belong to it, a plane shared by two pieces to the second
-          term.beyond[d] = to[std::size_t(d)] == 1.0 ? std::nextafter(1.0F, 2.0F) : float(to[std::size_t(d)]);
+        for (int d = 0; d < 3; ++d) {
+          if (term.from[d] == 0.0F) term.from[d] = -kRounding;
+          term.beyond[d] = to[std::size_t(d)] == 1.0 ? 1.0F + kRounding : float(to[std::size_t(d)]);
+        }
         gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
         gl.TexImage3D(GL_TEXTURE_3D, 0, hb::internalFormat(options.textures), GLsizei(x.texels), GLsizei(y.texels),
                       GLsizei(z.texels), 0, GL_RED, GL_FLOAT, texels.data());

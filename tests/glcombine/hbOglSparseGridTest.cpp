@@ -9,6 +9,7 @@
 #include "glcombine/hbGlContext.h"
 #include "glcombine/hbGlFunctions.h"
 #include "glcombine/hbGlTexture.h"
+#include "tests/glcombine/hbGlBounds.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 
@@ -62,22 +63,6 @@ double trilinear(const hbCombinationSparseGrid& grid, const hbCombinationSparseG
   return sum;
 }
 
-struct Bounds {
-  double largest = 0.0;   ///< Nodal value.
-  double weights = 0.0;   ///< Sum of the coefficients' magnitudes.
-  double steepness = 0.0; ///< Sum of those times the slopes: how far a step of 1 in the coordinates moves a value.
-};
-Bounds boundsOf(const hbCombinationSparseGrid& grid) {
-  Bounds bounds;
-  for (const auto& one : grid.grids()) {
-    for (const float value : grid.values(one, 0)) bounds.largest = std::max(bounds.largest, double(std::abs(value)));
-    bounds.weights += std::abs(one.coefficient);
-    for (int d = 0; d < 3; ++d) bounds.steepness += std::abs(one.coefficient) * 2.0 * std::exp2(one.levels[d]);
-  }
-  bounds.steepness *= bounds.largest;
-  return bounds;
-}
-
 } // namespace
 
 TEST(hbOglSparseGrid, FloatsAreTheCombinationUpToRounding) {
@@ -93,12 +78,7 @@ TEST(hbOglSparseGrid, FloatsAreTheCombinationUpToRounding) {
       std::vector<float> out;
       drawn.values(plane, out);
       ASSERT_EQ(out.size(), std::size_t(37 * 23));
-      // Values: as the combination engine's, with every addition in 32 bits, each of a partial sum up to the sum of the
-      // weights. Coordinates: 8 roundings of the corners, their interpolation, scale and offset, and the filter's
-      // texel.
-      const Bounds b = boundsOf(grid);
-      const double terms = double(grid.grids().size());
-      const double tolerance = (18.0 + terms) * 0x1p-24 * b.weights * b.largest + 8 * 0x1p-24 * b.steepness;
+      const double tolerance = hbGlBounds(grid).floats();
       int inside = 0;
       for (int y = 0; y < plane.height; ++y)
         for (int x = 0; x < plane.width; ++x) {
