@@ -56,7 +56,6 @@ private:
   X(BindFramebuffer)                                                                                                   \
   X(BindTexture)                                                                                                       \
   X(BindVertexArray)                                                                                                   \
-  X(BlendColor)                                                                                                        \
   X(BlendEquation)                                                                                                     \
   X(BlendFunc)                                                                                                         \
   X(CheckFramebufferStatus)                                                                                            \
@@ -70,9 +69,7 @@ private:
   X(DeleteShader)                                                                                                      \
   X(DeleteTextures)                                                                                                    \
   X(DeleteVertexArrays)                                                                                                \
-  X(Disable)                                                                                                           \
   X(DrawArrays)                                                                                                        \
-  X(DrawBuffers)                                                                                                       \
   X(Enable)                                                                                                            \
   X(Finish)                                                                                                            \
   X(FramebufferTexture)                                                                                                \
@@ -95,11 +92,9 @@ private:
   X(TexImage2D)                                                                                                        \
   X(TexImage3D)                                                                                                        \
   X(TexParameteri)                                                                                                     \
-  X(TexSubImage3D)                                                                                                     \
   X(Uniform1f)                                                                                                         \
   X(Uniform1i)                                                                                                         \
   X(Uniform3f)                                                                                                         \
-  X(UniformMatrix4fv)                                                                                                  \
   X(UseProgram)                                                                                                        \
   X(Viewport)
 
