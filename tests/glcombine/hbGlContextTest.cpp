@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "glcombine/hbGlFunctions.h"
+#include "glcombine/hbGlTarget.h"
 
 namespace {
 
@@ -14,21 +15,10 @@ class hbGlContextTest : public testing::TestWithParam<hbGlContext::Kind> {};
 /// Clears a 2 x 2 float picture to a value and reads it back.
 float drawnBy(hbGlContext& context, float value) {
   const hbGlCurrent current(context);
-  const hbGlFunctions& gl = context.gl();
-  GLuint texture = 0, target = 0;
-  gl.GenTextures(1, &texture);
-  gl.BindTexture(GL_TEXTURE_2D, texture);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, 2, 2, 0, GL_RED, GL_FLOAT, nullptr);
-  gl.GenFramebuffers(1, &target);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, target);
-  gl.FramebufferTexture(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, 0);
-  EXPECT_EQ(gl.CheckFramebufferStatus(GL_FRAMEBUFFER), GLenum(GL_FRAMEBUFFER_COMPLETE));
-  gl.ClearColor(value, 0, 0, 0);
-  gl.Clear(GL_COLOR_BUFFER_BIT);
-  float read[4] = {};
-  gl.ReadPixels(0, 0, 2, 2, GL_RED, GL_FLOAT, read);
-  gl.DeleteFramebuffers(1, &target);
-  gl.DeleteTextures(1, &texture);
+  const hbGlTarget target(context.gl(), 2, 2, hbGlFormat::r32f);
+  target.clear(value);
+  std::vector<float> read;
+  target.read(read);
   return read[3];
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "glcombine/hbGlContext.h"
+#include "glcombine/hbGlTarget.h"
 
 namespace {
 
@@ -32,28 +33,20 @@ TEST(hbGlProgram, DrawsWithItsUniforms) {
   const hbGlCurrent current(*context);
   const hbGlFunctions& gl = context->gl();
   const hbGlProgram program(gl, kVertex, kFragment);
-  GLuint texture = 0, target = 0, vertices = 0;
-  gl.GenTextures(1, &texture);
-  gl.BindTexture(GL_TEXTURE_2D, texture);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, 3, 2, 0, GL_RED, GL_FLOAT, nullptr);
-  gl.GenFramebuffers(1, &target);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, target);
-  gl.FramebufferTexture(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, 0);
+  const hbGlTarget target(gl, 3, 2, hbGlFormat::r32f);
+  GLuint vertices = 0;
   gl.GenVertexArrays(1, &vertices);
   gl.BindVertexArray(vertices);
-  gl.Viewport(0, 0, 3, 2);
   program.use();
   program.set("whole", 3);
   program.set("part", 0.25F);
   program.set("place", glm::vec3(7.0F, 8.0F, 0.5F));
   program.set("unknown", 1.0F);
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
-  float read[6] = {};
-  gl.ReadPixels(0, 0, 3, 2, GL_RED, GL_FLOAT, read);
-  for (const float pixel : read) EXPECT_EQ(pixel, 3.75F);
+  std::vector<float> read;
+  target.read(read);
+  EXPECT_EQ(read, std::vector<float>(6, 3.75F));
   gl.DeleteVertexArrays(1, &vertices);
-  gl.DeleteFramebuffers(1, &target);
-  gl.DeleteTextures(1, &texture);
 }
 
 TEST(hbGlProgram, LogsAreInTheErrors) {

@@ -6,6 +6,4 @@ extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so\n"; }
 
 extern "C" const char* __tsan_default_suppressions();
-extern "C" const char* __tsan_default_suppressions() {
-  return "race:libOSMesa.so\nrace:swrast_dri.so\n";
-}
+extern "C" const char* __tsan_default_suppressions() { return "race:libOSMesa.so\nrace:swrast_dri.so\n"; }
