@@ -53,26 +53,32 @@ private:
 #define HBVOL_GL_FUNCTIONS(X)                                                                                          \
   X(ActiveTexture)                                                                                                     \
   X(AttachShader)                                                                                                      \
+  X(BindBuffer)                                                                                                        \
+  X(BindBufferBase)                                                                                                    \
   X(BindFramebuffer)                                                                                                   \
   X(BindTexture)                                                                                                       \
   X(BindVertexArray)                                                                                                   \
   X(BlendEquation)                                                                                                     \
   X(BlendFunc)                                                                                                         \
+  X(BufferData)                                                                                                        \
   X(CheckFramebufferStatus)                                                                                            \
   X(Clear)                                                                                                             \
   X(ClearColor)                                                                                                        \
   X(CompileShader)                                                                                                     \
   X(CreateProgram)                                                                                                     \
   X(CreateShader)                                                                                                      \
+  X(DeleteBuffers)                                                                                                     \
   X(DeleteFramebuffers)                                                                                                \
   X(DeleteProgram)                                                                                                     \
   X(DeleteShader)                                                                                                      \
   X(DeleteTextures)                                                                                                    \
   X(DeleteVertexArrays)                                                                                                \
+  X(Disable)                                                                                                           \
   X(DrawArrays)                                                                                                        \
   X(Enable)                                                                                                            \
   X(Finish)                                                                                                            \
   X(FramebufferTexture)                                                                                                \
+  X(GenBuffers)                                                                                                        \
   X(GenFramebuffers)                                                                                                   \
   X(GenTextures)                                                                                                       \
   X(GenVertexArrays)                                                                                                   \
@@ -82,6 +88,7 @@ private:
   X(GetShaderInfoLog)                                                                                                  \
   X(GetShaderiv)                                                                                                       \
   X(GetString)                                                                                                         \
+  X(GetUniformBlockIndex)                                                                                              \
   X(GetUniformLocation)                                                                                                \
   X(IsTexture)                                                                                                         \
   X(LinkProgram)                                                                                                       \
@@ -89,12 +96,15 @@ private:
   X(ReadBuffer)                                                                                                        \
   X(ReadPixels)                                                                                                        \
   X(ShaderSource)                                                                                                      \
+  X(TexBuffer)                                                                                                         \
   X(TexImage2D)                                                                                                        \
   X(TexImage3D)                                                                                                        \
   X(TexParameteri)                                                                                                     \
   X(Uniform1f)                                                                                                         \
   X(Uniform1i)                                                                                                         \
   X(Uniform3f)                                                                                                         \
+  X(UniformBlockBinding)                                                                                               \
+  X(UniformMatrix3fv)                                                                                                  \
   X(UseProgram)                                                                                                        \
   X(Viewport)
 

@@ -63,3 +63,10 @@ void hbGlProgram::set(const char* name, float value) const { gl_.Uniform1f(locat
 void hbGlProgram::set(const char* name, const glm::vec3& value) const {
   gl_.Uniform3f(location(name), value.x, value.y, value.z);
 }
+void hbGlProgram::set(const char* name, const glm::mat3& value) const {
+  gl_.UniformMatrix3fv(location(name), 1, GL_FALSE, &value[0][0]);
+}
+void hbGlProgram::setBlock(const char* name, GLuint binding) const {
+  const GLuint block = gl_.GetUniformBlockIndex(program_, name);
+  if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(program_, block, binding);
+}

@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "glcombine/hbGlFunctions.h"
@@ -21,6 +22,9 @@ public:
   void set(const char* name, int value) const;
   void set(const char* name, float value) const;
   void set(const char* name, const glm::vec3& value) const;
+  void set(const char* name, const glm::mat3& value) const;
+  /// Has a uniform block read what is bound to that GL_UNIFORM_BUFFER.
+  void setBlock(const char* name, GLuint binding) const;
 
 private:
   GLuint compile(GLenum kind, const std::string& source) const;

@@ -4,11 +4,10 @@
 
 #include "glcombine/hbGlPixels.h"
 
-hbGlTarget::hbGlTarget(const hbGlFunctions& gl, int width, int height, hbGlFormat format)
-    : gl_(gl), width_(width), height_(height), texture_(gl, GL_TEXTURE_2D) {
-  gl.TexImage2D(GL_TEXTURE_2D, 0, hb::internalFormat(format), width, height, 0, GL_RED, GL_FLOAT, nullptr);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+hbGlTarget::hbGlTarget(const hbGlFunctions& gl, int width, int height, hbGlFormat format, int channels)
+    : gl_(gl), width_(width), height_(height), channels_(channels), texture_(gl, GL_TEXTURE_2D) {
+  gl.TexImage2D(GL_TEXTURE_2D, 0, hb::internalFormat(format, channels), width, height, 0, GL_RED, GL_FLOAT, nullptr);
+  texture_.setFilter(GL_NEAREST);
   gl.GenFramebuffers(1, &name_);
   gl.BindFramebuffer(GL_FRAMEBUFFER, name_);
   gl.FramebufferTexture(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture_.name(), 0);
@@ -34,9 +33,9 @@ void hbGlTarget::clear(float value) const {
 }
 
 void hbGlTarget::read(std::vector<float>& out) const {
-  out.resize(std::size_t(width_) * std::size_t(height_));
+  out.resize(std::size_t(width_) * std::size_t(height_) * std::size_t(channels_));
   bind();
   gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl_.ReadPixels(0, 0, width_, height_, GL_RED, GL_FLOAT, out.data());
+  gl_.ReadPixels(0, 0, width_, height_, channels_ == 4 ? GL_RGBA : GL_RED, GL_FLOAT, out.data());
 }

@@ -5,11 +5,12 @@ hbOglRaycaster::hbOglRaycaster(const hbGlContext& context, const hbCombinationSp
     : grid_(grid), scene_(scene), drawn_(context, grid, scene.component, options) {}
 
 hbPicture hbOglRaycaster::render(hbProgress& progress) const {
-  hbPlaneCompositor compositor(grid_, scene_);
-  progress.begin("blending planes", compositor.planes(), "planes");
+  const hbPlaneRays rays(grid_, scene_);
+  hbPlaneCompositor compositor(rays);
+  progress.begin("blending planes", rays.planes(), "planes");
   std::vector<float> values;
-  for (int i = 0; i < compositor.planes(); ++i) {
-    const hbPlaneCompositor::Plane plane = compositor.plane(i);
+  for (int i = 0; i < rays.planes(); ++i) {
+    const hbPlaneRays::Plane plane = rays.plane(i);
     drawn_.values({plane.corner, plane.right, plane.down, scene_.width, scene_.height}, values);
     compositor.add(i, values);
     progress.advance(1);

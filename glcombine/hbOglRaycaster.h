@@ -14,7 +14,7 @@
 class hbOglRaycaster {
 public:
   /// Keeps references to `context`, which must be current as hbOglSparseGrid says, to `grid` and to `scene`, which has
-  /// a camera. Throws hbError as hbPlaneCompositor and hbOglSparseGrid do.
+  /// a camera. Throws hbError as hbPlaneRays and hbOglSparseGrid do.
   hbOglRaycaster(const hbGlContext& context, const hbCombinationSparseGrid& grid, const hbScene& scene,
                  const hbOglSparseGrid::Options& options);
 

@@ -15,10 +15,11 @@ namespace {
 
 /// Hands the planes over, evaluated point by point.
 hbPicture composited(const hbField& field, const hbScene& scene) {
-  hbPlaneCompositor planes(field, scene);
+  const hbPlaneRays rays(field, scene);
+  hbPlaneCompositor planes(rays);
   std::vector<float> x, y, z, values(std::size_t(scene.width * scene.height));
-  for (int i = 0; i < planes.planes(); ++i) {
-    const hbPlaneCompositor::Plane plane = planes.plane(i);
+  for (int i = 0; i < rays.planes(); ++i) {
+    const hbPlaneRays::Plane plane = rays.plane(i);
     x.clear();
     y.clear();
     z.clear();
@@ -105,8 +106,8 @@ TEST(hbPlaneCompositor, RefusesWhatTheRayCasterDoes) {
   const hbSparseGrid grid = gridOf(g, 3, {waves});
   hbScene scene = planewise(hbMode::iso, hbCamera::framing(g));
   scene.isoValue.reset();
-  EXPECT_THROW(hbPlaneCompositor(grid, scene), hbError);
+  EXPECT_THROW(hbPlaneRays(grid, scene), hbError);
   scene.mode = hbMode::xray;
   scene.component = 1;
-  EXPECT_THROW(hbPlaneCompositor(grid, scene), hbError);
+  EXPECT_THROW(hbPlaneRays(grid, scene), hbError);
 }

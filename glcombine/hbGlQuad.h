@@ -1,0 +1,22 @@
+#pragma once
+
+#include "glcombine/hbGlFunctions.h"
+
+/// Draws a rectangle over the whole target, with a vertex shader that knows its corners by gl_VertexID:
+/// (gl_VertexID & 1, gl_VertexID >> 1). The context must be current wherever it is used.
+class hbGlQuad {
+public:
+  /// Keeps a reference to `gl`.
+  explicit hbGlQuad(const hbGlFunctions& gl) : gl_(gl) { gl.GenVertexArrays(1, &vertices_); }
+  ~hbGlQuad() { gl_.DeleteVertexArrays(1, &vertices_); }
+  hbGlQuad(const hbGlQuad&) = delete;
+  hbGlQuad& operator=(const hbGlQuad&) = delete;
+
+  /// For the draws that follow.
+  void bind() const { gl_.BindVertexArray(vertices_); }
+  void draw() const { gl_.DrawArrays(GL_TRIANGLE_STRIP, 0, 4); }
+
+private:
+  const hbGlFunctions& gl_;
+  GLuint vertices_ = 0;
+};

@@ -1,0 +1,119 @@
+#include "raycast/hbPlaneRays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "raycast/hbRaySegment.h"
+#include "volume/hbError.h"
+
+hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
+    : field_(field), scene_(scene), worldToCube_(glm::inverse(field.geometry().cubeToWorld())) {
+  scene.validate();
+  scene_.camera = scene.cameraFor(field.geometry());
+  if (scene.component < 0 || scene.component >= field.components())
+    throw hbError(fmt::format("component: expected 0 to {}, found {}", field.components() - 1, scene.component));
+  if (scene.mode == hbMode::iso && !scene.isoValue) throw hbError("iso: expected an iso-value");
+  if (scene.isoValue) iso_ = float(field.valueMap().fromTrue(*scene.isoValue));
+  const hbCamera& camera = *scene_.camera;
+  planes_ = scene.sampling.planes(field.geometry(), camera);
+  near_ = hbSampling::extent(field.geometry(), camera).near;
+  step_ = scene.sampling.stepLength(field.geometry(), camera);
+
+  rays_.resize(std::size_t(scene.width) * std::size_t(scene.height));
+  const glm::dvec3 axis = camera.viewAxis();
+  for (std::size_t pixel = 0; pixel < rays_.size(); ++pixel) {
+    const hbRay through = ray(pixel);
+    const auto segment = hb::clipToCube(through, worldToCube_);
+    const double cosine = glm::dot(through.direction, axis);
+    if (!segment || !(cosine > 0.0)) continue;
+    // As hbRaycaster has it; rays of both projections start on the plane through the camera's position.
+    const double start = glm::dot(through.origin - camera.position, axis);
+    const auto place = [&](double way) { return (start + way * cosine - near_) / step_ - 0.5; };
+    rays_[pixel] = {std::int32_t(std::max(0.0, std::ceil(place(segment->enter)))),
+                    std::int32_t(std::min(planes_ - 1.0, std::floor(place(segment->leave)))), cosine};
+  }
+}
+
+hbRay hbPlaneRays::ray(std::size_t pixel) const {
+  const auto width = std::size_t(scene_.width);
+  return scene_.camera->ray(double(pixel % width) + 0.5, double(pixel / width) + 0.5, scene_.width, scene_.height);
+}
+
+glm::dvec3 hbPlaneRays::direction(std::size_t pixel) const { return ray(pixel).direction; }
+
+glm::dvec3 hbPlaneRays::at(std::size_t pixel, double place) const {
+  const hbRay through = ray(pixel);
+  const double way = distance(place) / rays_[pixel].cosine;
+  return worldToCube_ * glm::dvec4(through.origin + way * through.direction, 1.0);
+}
+
+hbPlaneRays::Plane hbPlaneRays::plane(int index) const {
+  // Where three corners of the picture see the plane; in between it is affine, for both projections.
+  const hbCamera& camera = *scene_.camera;
+  const auto at = [&](double px, double py) {
+    const hbRay through = camera.ray(px, py, scene_.width, scene_.height);
+    const double way = distance(index) / glm::dot(through.direction, camera.viewAxis());
+    return glm::dvec3(worldToCube_ * glm::dvec4(through.origin + way * through.direction, 1.0));
+  };
+  const glm::dvec3 corner = at(0.0, 0.0);
+  return {corner, (at(scene_.width, 0.0) - corner) / double(scene_.width),
+          (at(0.0, scene_.height) - corner) / double(scene_.height)};
+}
+
+hbPicture hbPlaneRays::empty() const {
+  hbPicture picture;
+  picture.width = scene_.width;
+  picture.height = scene_.height;
+  picture.metadata[hbPicture::kSceneKey] = hb::toJson(scene_);
+  picture.add("Y");
+  picture.add("A");
+  return picture;
+}
+
+hbPicture hbPlaneRays::xray(std::span<const double> sums) const {
+  hbPicture picture = empty();
+  std::vector<float>&y = picture.channels["Y"], &a = picture.channels["A"];
+  const hbValueMap map = field_.valueMap();
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    const Ray& ray = rays_[i];
+    if (ray.last < ray.first) continue;
+    const double weight = step_ / ray.cosine, length = double(ray.last - ray.first + 1) * weight;
+    y[i] = float(map.scale * sums[i] * weight + map.offset * length);
+    a[i] = 1.0F;
+  }
+  return picture;
+}
+
+hbPicture hbPlaneRays::mip(std::span<const float> maxima) const {
+  hbPicture picture = empty();
+  std::vector<float>&y = picture.channels["Y"], &a = picture.channels["A"];
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    if (rays_[i].last < rays_[i].first) continue;
+    y[i] = float(field_.valueMap().toTrue(maxima[i]));
+    a[i] = 1.0F;
+  }
+  return picture;
+}
+
+hbPicture hbPlaneRays::iso(std::span<const Surface> surfaces) const {
+  hbPicture picture = empty();
+  std::vector<float>&z = picture.add("Z", std::numeric_limits<float>::infinity()), &nx = picture.add("N.X"),
+  &ny = picture.add("N.Y"), &nz = picture.add("N.Z"), &value = picture.add("value"), &y = picture.channels["Y"],
+  &a = picture.channels["A"];
+  for (const Surface& surface : surfaces) {
+    const std::size_t pixel = surface.pixel;
+    y[pixel] = float(-glm::dot(surface.normal, direction(pixel)));
+    a[pixel] = 1.0F;
+    z[pixel] = float(distance(surface.place));
+    nx[pixel] = float(surface.normal.x);
+    ny[pixel] = float(surface.normal.y);
+    nz[pixel] = float(surface.normal.z);
+    value[pixel] = float(field_.valueMap().toTrue(surface.value));
+  }
+  return picture;
+}
