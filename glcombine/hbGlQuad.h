@@ -2,10 +2,14 @@
 
 #include "glcombine/hbGlFunctions.h"
 
-/// Draws a rectangle over the whole target, with a vertex shader that knows its corners by gl_VertexID:
-/// (gl_VertexID & 1, gl_VertexID >> 1). The context must be current wherever it is used.
+/// Draws a rectangle over the whole target. The context must be current wherever it is used.
 class hbGlQuad {
 public:
+  /// For fragment shaders that need nothing but gl_FragCoord. Others know the corners by gl_VertexID as well.
+  static constexpr const char* kVertexShader = R"(#version 330 core
+void main() { gl_Position = vec4(2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0, 0.0, 1.0); }
+)";
+
   /// Keeps a reference to `gl`.
   explicit hbGlQuad(const hbGlFunctions& gl) : gl_(gl) { gl.GenVertexArrays(1, &vertices_); }
   ~hbGlQuad() { gl_.DeleteVertexArrays(1, &vertices_); }

@@ -3,28 +3,43 @@
 #include <memory>
 
 #include "glcombine/hbOglSparseGrid.h"
-#include "raycast/hbPlaneCompositor.h"
 #include "scene/hbPicture.h"
 #include "scene/hbScene.h"
+#include "sparsegrid/hbSparseGrid.h"
 #include "volume/hbProgress.h"
 
-/// X-ray, MIP and iso-surface pictures of a sparse grid as the paper draws them: for every plane of samples the
-/// component grids' textures are blended, the plane is read back, and the ray caster's own sums, maxima and crossings
-/// take it (hbPlaneCompositor). Whatever scene.sampling.kind says, sampling is planewise.
+/// X-ray, MIP and iso-surface pictures of a sparse grid by OpenGL. Whatever scene.sampling.kind says, sampling is
+/// planewise, and the pictures are those of hbRaycaster's planewise sampling, up to rounding.
 class hbOglRaycaster {
 public:
-  /// Keeps references to `context`, which must be current as hbOglSparseGrid says, to `grid` and to `scene`, which has
-  /// a camera. Throws hbError as hbPlaneRays and hbOglSparseGrid do.
-  hbOglRaycaster(const hbGlContext& context, const hbCombinationSparseGrid& grid, const hbScene& scene,
-                 const hbOglSparseGrid::Options& options);
+  enum class Form : std::uint8_t {
+    blend,    ///< As the paper has it: component grids as 3D textures, blended plane by plane (hbOglSparseGrid).
+    fused,    ///< All component grids in one buffer, one shader for the whole picture (hbOglFused).
+    seminodal ///< The same of the lines of an hbSemiNodalGrid: fewer terms and less memory.
+  };
+  struct Options {
+    Form form = Form::seminodal;
+    /// blend: read every plane back and let hbPlaneCompositor do the rest, as the paper does; else the picture is
+    /// read once.
+    bool readBack = false;
+    hbOglSparseGrid::Options blend; ///< Its memory is that of all forms.
+  };
+
+  /// Keeps references to `context`, which must be current as hbOglSparseGrid says, and to `grid`. Throws hbError as
+  /// hbPlaneRays and the forms do.
+  hbOglRaycaster(const hbGlContext& context, const hbSparseGrid& grid, const hbScene& scene, const Options& options);
+  ~hbOglRaycaster();
 
   /// One frame, with the channels and the metadata of hbRaycaster::render(). Throws hbCancelled.
   hbPicture render(hbProgress& progress = hbProgress::none()) const;
 
-  const hbOglSparseGrid& textures() const { return drawn_; }
+  /// With its camera.
+  const hbScene& scene() const;
+  /// Of the grid's values; of those that are there all the time.
+  std::int64_t textureBytes() const;
+  std::int64_t residentBytes() const;
 
 private:
-  const hbCombinationSparseGrid& grid_;
-  const hbScene& scene_;
-  hbOglSparseGrid drawn_;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <glm/geometric.hpp>
+
 const char* hbOglRays::glsl() {
   return R"(
 const float kNowhere = 1e30;
@@ -9,6 +11,10 @@ uniform sampler2D rayRanges;
 uniform vec3 planeCorner, planeRight, planeDown; // of plane 0
 uniform vec3 planeCornerStep, planeRightStep, planeDownStep; // to the next one: planes are affine in their index
 ivec2 planesOfRay() { return ivec2(texelFetch(rayRanges, ivec2(gl_FragCoord.xy), 0).rg); }
+uniform vec3 rayDirection, rayDirectionRight, rayDirectionDown;
+vec3 directionOfRay() {
+  return normalize(rayDirection + gl_FragCoord.x * rayDirectionRight + gl_FragCoord.y * rayDirectionDown);
+}
 vec3 pointOfRay(float place) {
   return planeCorner + place * planeCornerStep + gl_FragCoord.x * (planeRight + place * planeRightStep) +
          gl_FragCoord.y * (planeDown + place * planeDownStep);
@@ -38,4 +44,15 @@ void hbOglRays::set(const hbGlProgram& program, int unit) const {
   program.set("planeCornerStep", glm::vec3((last.corner - first.corner) / steps));
   program.set("planeRightStep", glm::vec3((last.right - first.right) / steps));
   program.set("planeDownStep", glm::vec3((last.down - first.down) / steps));
+  // Of equal lengths along the view axis, directions are affine in the pixel's place.
+  const hbScene& scene = rays_.scene();
+  const hbCamera& camera = *scene.camera;
+  const auto direction = [&](double x, double y) {
+    const glm::dvec3 way = camera.ray(x, y, scene.width, scene.height).direction;
+    return way / glm::dot(way, camera.viewAxis());
+  };
+  const glm::dvec3 corner = direction(0.0, 0.0);
+  program.set("rayDirection", glm::vec3(corner));
+  program.set("rayDirectionRight", glm::vec3((direction(scene.width, 0.0) - corner) / double(scene.width)));
+  program.set("rayDirectionDown", glm::vec3((direction(0.0, scene.height) - corner) / double(scene.height)));
 }

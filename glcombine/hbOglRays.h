@@ -14,6 +14,7 @@ public:
   /// GLSL (330) that declares
   ///   ivec2 planesOfRay(): the first and the last plane on which this fragment's ray is in the volume,
   ///   vec3 pointOfRay(float place): in the cube; places are indices of planes and parts of them,
+  ///   vec3 directionOfRay(): in the world, of length 1,
   ///   const float kNowhere.
   static const char* glsl();
 

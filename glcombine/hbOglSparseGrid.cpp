@@ -2,175 +2,352 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
-#include <limits>
-#include <optional>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "glcombine/hbGlContext.h"
 #include "glcombine/hbGlPixels.h"
 #include "glcombine/hbGlProgram.h"
+#include "glcombine/hbGlQuad.h"
 #include "glcombine/hbGlTarget.h"
+#include "glcombine/hbOglRays.h"
+#include "glcombine/hbTermOrder.h"
 
 namespace {
 
-constexpr const char* kVertexShader = R"(#version 330 core
-uniform vec3 corner, right, down; // of the whole rectangle
-out vec3 place;
+constexpr const char* kPlaneVertices = R"(#version 330 core
+uniform vec3 corner, right, down; // of the whole plane, in the grids' coordinates
+uniform vec3 scale, offset;
+out vec3 place, coordinates;
 void main() {
   vec2 at = vec2(gl_VertexID & 1, gl_VertexID >> 1);
   place = corner + at.x * right + at.y * down;
+  coordinates = offset + scale * place;
   gl_Position = vec4(2.0 * at - 1.0, 0.0, 1.0);
 })";
 
-constexpr const char* kFragmentShader = R"(#version 330 core
+/// texel(coordinates): a texture's value there.
+constexpr const char* kHardwareFilter = R"(
 uniform sampler3D nodes;
+float texel(vec3 coordinates) { return textureLod(nodes, coordinates, 0.0).r; }
+)";
+constexpr const char* kExactFilter = R"(
+uniform sampler3D nodes;
+uniform vec3 texels; // with nodes
+float texel(vec3 coordinates) {
+  vec3 at = clamp(coordinates * vec3(textureSize(nodes, 0)) - 0.5, vec3(0.0), texels - 1.0);
+  ivec3 low = ivec3(min(at, max(texels - 2.0, 0.0))), high = min(low + 1, ivec3(texels) - 1);
+  vec3 t = at - vec3(low);
+  float v[4];
+  for (int i = 0; i < 4; ++i) {
+    ivec2 yz = ivec2((i & 1) == 0 ? low.y : high.y, (i & 2) == 0 ? low.z : high.z);
+    v[i] = mix(texelFetch(nodes, ivec3(low.x, yz), 0).r, texelFetch(nodes, ivec3(high.x, yz), 0).r, t.x);
+  }
+  return mix(mix(v[0], v[1], t.y), mix(v[2], v[3], t.y), t.z);
+}
+)";
+
+constexpr const char* kPlaneFragments = R"(
+uniform float weight;
+in vec3 place, coordinates;
+out vec4 value;
+#ifdef PIECES
+uniform vec3 from, beyond;
+bool isHere() { return !any(lessThan(place, from)) && !any(greaterThanEqual(place, beyond)); }
+#endif
+void main() {
+#ifdef PIECES
+  if (!isHere()) discard;
+#endif
+  value = vec4(weight * texel(coordinates));
+})";
+
+constexpr const char* kDifferencesFragments = R"(
+uniform sampler2D places;
+uniform vec3 latticeScale, spacing; // spacing: of the samples in the cube, 0 along flat axes
 uniform vec3 scale, offset, from, beyond;
 uniform float weight;
-in vec3 place;
-out vec4 value;
+out vec4 result;
+float value(vec3 point) {
+  vec3 place = latticeScale * point;
+  bool isHere = !any(lessThan(place, from)) && !any(greaterThanEqual(place, beyond));
+  return isHere ? texel(offset + scale * place) : 0.0;
+}
 void main() {
-  if (any(lessThan(place, from)) || any(greaterThanEqual(place, beyond))) discard;
-  value = vec4(weight * texture(nodes, offset + scale * place).r);
+  vec3 point = pointOfRay(texelFetch(places, ivec2(gl_FragCoord.xy), 0).r);
+  vec3 low = max(point - spacing, 0.0), high = min(point + spacing, 1.0), span = high - low;
+  vec3 difference = vec3(value(vec3(high.x, point.yz)) - value(vec3(low.x, point.yz)),
+                         value(vec3(point.x, high.y, point.z)) - value(vec3(point.x, low.y, point.z)),
+                         value(vec3(point.xy, high.z)) - value(vec3(point.xy, low.z)));
+  result = weight * vec4(value(point), mix(difference / span, vec3(0.0), equal(spacing, vec3(0.0))));
 })";
+
+std::string fragments(hbOglSparseGrid::Filter filter, const char* rest, bool inPieces = false, const char* more = "") {
+  return std::string("#version 330 core\n") + (inPieces ? "#define PIECES\n" : "") + more +
+         (filter == hbOglSparseGrid::Filter::exact ? kExactFilter : kHardwareFilter) + rest;
+}
 
 /// One texture and what its samples are multiplied with.
 struct Term {
-  hbGlTexture texture;
-  glm::vec3 scale, offset, from, beyond;
-  float weight; ///< Of the coefficient, without its sign.
+  glm::vec3 scale{0.0F}, offset{0.0F}, from{0.0F}, beyond{0.0F};
+  glm::ivec3 texels{1}, nodes{1};
+  float weight = 0.0F; ///< Of the coefficient, with its sign.
+  bool isPiece = false;
+  std::optional<hbGlTexture> texture;
+  std::vector<float> values; ///< Of its texels, where it is handed over anew.
 };
 
-} // namespace
-
-struct hbOglSparseGrid::Parts {
-  const hbGlFunctions& gl;
-  Options options;
-  hbGlProgram program;
-  GLuint vertices = 0;
-  std::vector<Term> positive, negative;
-  std::int64_t bytes = 0;
-  double low = 0.0, size = 1.0; ///< value = low + size * what is in the target
-  mutable std::optional<hbGlTarget> target;
-
-  Parts(const hbGlFunctions& functions, const Options& choice)
-      : gl(functions), options(choice), program(gl, kVertexShader, kFragmentShader) {
-    gl.GenVertexArrays(1, &vertices);
-  }
-  ~Parts() { gl.DeleteVertexArrays(1, &vertices); }
-
-  void upload(const hbTextureLayout& layout, const hbSize3& nodes, const std::vector<float>& values, double coefficient,
-              double divisor);
-  void draw(const std::vector<Term>& terms) const;
-};
-
-void hbOglSparseGrid::Parts::upload(const hbTextureLayout& layout, const hbSize3& nodes,
-                                    const std::vector<float>& values, double coefficient, double divisor) {
-  for (const auto& z : layout.pieces(2))
-    for (const auto& y : layout.pieces(1))
-      for (const auto& x : layout.pieces(0)) {
-        // Texels without a node are 0: the filter multiplies them with 0, which must not meet what is no number.
-        std::vector<float> texels(std::size_t(x.texels * y.texels * z.texels), 0.0F);
-        for (std::int64_t k = 0; k < z.nodes; ++k)
-          for (std::int64_t j = 0; j < y.nodes; ++j)
-            std::copy_n(values.begin() + x.firstNode + nodes.x * (y.firstNode + j + nodes.y * (z.firstNode + k)),
-                        x.nodes, texels.begin() + x.texels * (j + y.texels * k));
-        Term term{hbGlTexture(gl, GL_TEXTURE_3D),
-                  {float(x.scale), float(y.scale), float(z.scale)},
-                  {float(x.offset), float(y.offset), float(z.offset)},
-                  {float(x.from), float(y.from), float(z.from)},
-                  {},
-                  float(std::abs(coefficient) / divisor)};
-        // A plane that two pieces share belongs to the second; the cube's faces may be passed by what coordinates
-        // round.
-        constexpr float kRounding = 0x1p-21F;
-        const std::array<double, 3> to{x.to, y.to, z.to};
-        for (int d = 0; d < 3; ++d) {
-          if (term.from[d] == 0.0F) term.from[d] = -kRounding;
-          term.beyond[d] = to[std::size_t(d)] == 1.0 ? 1.0F + kRounding : float(to[std::size_t(d)]);
-        }
-        gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-        gl.TexImage3D(GL_TEXTURE_3D, 0, hb::internalFormat(options.textures), GLsizei(x.texels), GLsizei(y.texels),
-                      GLsizei(z.texels), 0, GL_RED, GL_FLOAT, texels.data());
-        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-          gl.TexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
-        for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
-          gl.TexParameteri(GL_TEXTURE_3D, wrap, GL_CLAMP_TO_EDGE);
-        (coefficient > 0.0 ? positive : negative).push_back(std::move(term));
-        bytes += x.texels * y.texels * z.texels * hb::glFormatBytes(options.textures);
-      }
+/// The texels of one piece of a component grid; those without a node are 0: the filter multiplies them with 0, which
+/// must not meet what is no number.
+std::vector<float> texelsOf(std::span<const float> values, const hbSize3& nodes, const hbTextureLayout::Piece& x,
+                            const hbTextureLayout::Piece& y, const hbTextureLayout::Piece& z) {
+  std::vector<float> texels(std::size_t(x.texels * y.texels * z.texels), 0.0F);
+  for (std::int64_t k = 0; k < z.nodes; ++k)
+    for (std::int64_t j = 0; j < y.nodes; ++j)
+      std::copy_n(values.begin() + x.firstNode + nodes.x * (y.firstNode + j + nodes.y * (z.firstNode + k)), x.nodes,
+                  texels.begin() + x.texels * (j + y.texels * k));
+  return texels;
 }
 
-void hbOglSparseGrid::Parts::draw(const std::vector<Term>& terms) const {
-  for (const Term& term : terms) {
-    gl.BindTexture(GL_TEXTURE_3D, term.texture.name());
-    program.set("scale", term.scale);
-    program.set("offset", term.offset);
-    program.set("from", term.from);
-    program.set("beyond", term.beyond);
-    program.set("weight", term.weight);
-    gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-  }
-}
-
-hbOglSparseGrid::hbOglSparseGrid(const hbGlContext& context, const hbCombinationSparseGrid& grid, int component,
-                                 const Options& options)
-    : parts_(std::make_unique<Parts>(context.gl(), options)) {
+/// How field values are mapped into textures, and drawn ones divided.
+struct Mapping {
   double low = 0.0, size = 1.0, divisor = 1.0;
-  if (hb::isFixedPoint(options.textures) || hb::isFixedPoint(options.target)) {
+
+  Mapping(const hbCombinationSparseGrid& grid, int component, const hbOglSparseGrid::Options& options) {
+    const auto either = [&](auto test) { return test(options.textures) || test(options.target); };
+    const bool isFixed = either(hb::isFixedPoint);
+    if (!isFixed && !either([](hbGlFormat format) { return format == hbGlFormat::r16f; })) return;
     float least = std::numeric_limits<float>::infinity(), greatest = -least;
-    divisor = 0.0;
+    double positive = 0.0;
     for (const hbCombinationSparseGrid::Grid& one : grid.grids()) {
       const auto values = grid.values(one, component);
       const auto [lo, hi] = std::minmax_element(values.begin(), values.end());
       least = std::min(least, *lo);
       greatest = std::max(greatest, *hi);
-      divisor += std::max(one.coefficient, 0);
+      positive += std::max(one.coefficient, 0);
     }
-    low = least;
-    size = greatest > least ? double(greatest) - double(least) : 1.0;
-    if (!hb::isFixedPoint(options.target)) divisor = 1.0;
+    if (isFixed) low = least;
+    size = isFixed ? double(greatest) - double(least) : std::max(std::abs(double(least)), std::abs(double(greatest)));
+    if (!(size > 0.0)) size = 1.0;
+    if (hb::isFixedPoint(options.target)) divisor = positive;
   }
-  parts_->low = low;
-  parts_->size = size * divisor;
+};
+
+} // namespace
+
+struct hbOglSparseGrid::Parts {
+  const hbGlContext& context;
+  const hbGlFunctions& gl;
+  Options options;
+  Order order;
+  Mapping mapping;
+  glm::dvec3 latticeScale;
+  glm::vec3 spacing{0.0F};
+  hbGlQuad quad;
+  hbGlProgram whole, pieces, differences;
+  std::vector<Term> terms; ///< In the order they are drawn.
+  std::int64_t bytes = 0, resident = 0;
+
+  Parts(const hbGlContext& context, const hbCombinationSparseGrid& grid, int component, const Options& options);
+
+  std::vector<Term> termsOf(const hbCombinationSparseGrid& grid, int component);
+  void keep();
+  std::int64_t bytesOf(const Term& term) const {
+    return std::int64_t(term.texels.x) * term.texels.y * term.texels.z * hb::glFormatBytes(options.textures);
+  }
+  void upload(hbGlTexture& texture, const Term& term) const;
+  void set(const hbGlProgram& program, const Term& term) const;
+
+  /// Calls draw(term) with each term's texture in unit 0.
+  template <class Draw>
+  void forEachTerm(Draw draw) const {
+    std::optional<hbGlTexture> passing;
+    for (const Term& term : terms) {
+      if (!term.texture) upload(passing ? *passing : passing.emplace(gl, GL_TEXTURE_3D), term);
+      (term.texture ? *term.texture : *passing).bind(0);
+      draw(term);
+    }
+  }
+};
+
+hbOglSparseGrid::Parts::Parts(const hbGlContext& c, const hbCombinationSparseGrid& grid, int component,
+                              const Options& choice)
+    : context(c), gl(c.gl()), options(choice),
+      order(choice.order.value_or(hb::isFixedPoint(choice.target) ? Order::positiveFirst : Order::interleaved)),
+      mapping(grid, component, choice), latticeScale(grid.latticeScale()), quad(gl),
+      whole(gl, kPlaneVertices, fragments(choice.filter, kPlaneFragments)),
+      pieces(gl, kPlaneVertices, fragments(choice.filter, kPlaneFragments, true)),
+      differences(gl, hbGlQuad::kVertexShader,
+                  fragments(choice.filter, kDifferencesFragments, false, hbOglRays::glsl())) {
+  if (hb::isFixedPoint(options.target) && order == Order::interleaved)
+    throw hbError(fmt::format("order of blending: expected positive terms first for the target {}, which clamps what "
+                              "is negative",
+                              hb::glFormatName(options.target)));
+  for (int d = 0; d < 3; ++d)
+    if (!grid.geometry().isFlat(d)) spacing[d] = float(grid.geometry().cubeSpacing()[d]);
+  std::vector<Term> unordered = termsOf(grid, component);
+  std::vector<std::size_t> sequence(unordered.size());
+  if (order == Order::interleaved) {
+    std::vector<int> coefficients;
+    for (const Term& term : unordered) coefficients.push_back(int(std::lround(term.weight)));
+    sequence = hb::interleaved(coefficients);
+  } else {
+    for (std::size_t i = 0; i < sequence.size(); ++i) sequence[i] = i;
+    std::stable_partition(sequence.begin(), sequence.end(), [&](std::size_t i) { return unordered[i].weight > 0.0F; });
+  }
+  for (const std::size_t i : sequence) terms.push_back(std::move(unordered[i]));
+  keep();
+}
+
+std::vector<Term> hbOglSparseGrid::Parts::termsOf(const hbCombinationSparseGrid& grid, int component) {
+  std::vector<Term> list;
   glm::bvec3 flat;
   for (int d = 0; d < 3; ++d) flat[d] = grid.geometry().isFlat(d);
   for (const hbCombinationSparseGrid::Grid& one : grid.grids()) {
     const auto stored = grid.values(one, component);
     std::vector<float> values(stored.size());
     std::transform(stored.begin(), stored.end(), values.begin(),
-                   [&](float value) { return float((double(value) - low) / size); });
-    parts_->upload(hbTextureLayout(one.levels, flat, options.form, context.maxTextureSize3d()), one.nodes, values,
-                   one.coefficient, divisor);
+                   [&](float value) { return float((double(value) - mapping.low) / mapping.size); });
+    const hbTextureLayout layout(one.levels, flat, options.form, context.maxTextureSize3d());
+    for (const auto& z : layout.pieces(2))
+      for (const auto& y : layout.pieces(1))
+        for (const auto& x : layout.pieces(0)) {
+          Term& term = list.emplace_back();
+          const std::array<const hbTextureLayout::Piece*, 3> axes{&x, &y, &z};
+          for (int d = 0; d < 3; ++d) {
+            const hbTextureLayout::Piece& piece = *axes[std::size_t(d)];
+            term.scale[d] = float(piece.scale);
+            term.offset[d] = float(piece.offset);
+            // A plane that two pieces share belongs to the second; beyond the first and the last one the texels at the
+            // border go on.
+            constexpr float kFar = 1e30F;
+            term.from[d] = piece.from > 0.0 ? float(piece.from) : -kFar;
+            term.beyond[d] = piece.to < 1.0 ? float(piece.to) : kFar;
+            term.texels[d] = int(piece.texels);
+            term.nodes[d] = int(piece.nodes);
+          }
+          term.weight = float(one.coefficient / mapping.divisor);
+          term.isPiece = layout.textures() > 1;
+          term.values = texelsOf(values, one.nodes, x, y, z);
+        }
+  }
+  return list;
+}
+
+/// Uploads what there is memory for; the rest leaves room for the largest of itself.
+void hbOglSparseGrid::Parts::keep() {
+  std::int64_t largest = 0;
+  for (const Term& term : terms) {
+    bytes += bytesOf(term);
+    largest = std::max(largest, bytesOf(term));
+  }
+  const bool isTight = bytes > options.memory;
+  const std::int64_t least = options.stream ? largest : bytes;
+  if (least > options.memory)
+    throw hbError(fmt::format("textures: expected memory for {} bytes, found a limit of {}{}", least, options.memory,
+                              options.stream ? "" : fmt::format(" (streaming needs {})", largest)));
+  for (Term& term : terms) {
+    if (isTight && resident + bytesOf(term) + largest > options.memory) continue;
+    upload(term.texture.emplace(gl, GL_TEXTURE_3D), term);
+    term.values = {};
+    resident += bytesOf(term);
   }
 }
+
+void hbOglSparseGrid::Parts::upload(hbGlTexture& texture, const Term& term) const {
+  texture.bind(0);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TexImage3D(GL_TEXTURE_3D, 0, hb::internalFormat(options.textures), term.texels.x, term.texels.y, term.texels.z, 0,
+                GL_RED, GL_FLOAT, term.values.data());
+  texture.setFilter(GL_LINEAR);
+}
+
+void hbOglSparseGrid::Parts::set(const hbGlProgram& program, const Term& term) const {
+  program.use();
+  program.set("scale", term.scale);
+  program.set("offset", term.offset);
+  if (options.filter == Filter::exact) program.set("texels", glm::vec3(term.nodes));
+  if (&program == &whole) return;
+  program.set("from", term.from);
+  program.set("beyond", term.beyond);
+}
+
+hbOglSparseGrid::hbOglSparseGrid(const hbGlContext& context, const hbCombinationSparseGrid& grid, int component,
+                                 const Options& options)
+    : parts_(std::make_unique<Parts>(context, grid, component, options)) {}
 
 hbOglSparseGrid::~hbOglSparseGrid() = default;
 
 std::int64_t hbOglSparseGrid::textureBytes() const { return parts_->bytes; }
-std::int64_t hbOglSparseGrid::textures() const {
-  return std::int64_t(parts_->positive.size() + parts_->negative.size());
+std::int64_t hbOglSparseGrid::residentBytes() const { return parts_->resident; }
+std::int64_t hbOglSparseGrid::textures() const { return std::int64_t(parts_->terms.size()); }
+
+double hbOglSparseGrid::valueOf(double number) const {
+  return parts_->mapping.low + parts_->mapping.size * parts_->mapping.divisor * number;
 }
 
-void hbOglSparseGrid::values(const Plane& plane, std::vector<float>& out) const {
+void hbOglSparseGrid::draw(std::span<const Plane> planes, std::span<const hbGlTarget* const> targets) const {
+  assert(planes.size() == targets.size() && !planes.empty());
   const hbGlFunctions& gl = parts_->gl;
-  auto& target = parts_->target;
-  if (!target || target->width() != plane.width || target->height() != plane.height)
-    target.emplace(gl, plane.width, plane.height, parts_->options.target);
-  target->clear(0.0F);
-  gl.BindVertexArray(parts_->vertices);
-  gl.ActiveTexture(GL_TEXTURE0);
-  const hbGlProgram& program = parts_->program;
-  program.use();
-  program.set("nodes", 0);
-  program.set("corner", glm::vec3(plane.corner));
-  program.set("right", glm::vec3(double(plane.width) * plane.right));
-  program.set("down", glm::vec3(double(plane.height) * plane.down));
+  for (const hbGlTarget* target : targets) target->clear(0.0F);
+  parts_->quad.bind();
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ONE);
   gl.BlendEquation(GL_FUNC_ADD);
-  parts_->draw(parts_->positive);
-  gl.BlendEquation(GL_FUNC_REVERSE_SUBTRACT);
-  parts_->draw(parts_->negative);
-  target->read(out);
-  for (float& value : out) value = float(parts_->low + parts_->size * double(value));
+  const double width = targets[0]->width(), height = targets[0]->height();
+  const auto place = [&](const hbGlProgram& program, const Plane& plane) {
+    program.set("corner", glm::vec3(parts_->latticeScale * plane.corner));
+    program.set("right", glm::vec3(parts_->latticeScale * width * plane.right));
+    program.set("down", glm::vec3(parts_->latticeScale * height * plane.down));
+  };
+  for (const hbGlProgram* program : {&parts_->whole, &parts_->pieces}) {
+    program->use();
+    program->set("nodes", 0);
+    place(*program, planes[0]);
+  }
+  bool isSubtracting = false;
+  parts_->forEachTerm([&](const Term& term) {
+    const hbGlProgram& program = term.isPiece ? parts_->pieces : parts_->whole;
+    parts_->set(program, term);
+    const bool isPaper = parts_->order == Order::positiveFirst;
+    if (isPaper && term.weight < 0.0F && !isSubtracting) {
+      gl.BlendEquation(GL_FUNC_REVERSE_SUBTRACT);
+      isSubtracting = true;
+    }
+    program.set("weight", isPaper ? std::abs(term.weight) : term.weight);
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      if (planes.size() > 1) {
+        targets[i]->bind();
+        place(program, planes[i]);
+      }
+      parts_->quad.draw();
+    }
+  });
+  gl.Disable(GL_BLEND);
+}
+
+void hbOglSparseGrid::differences(const hbOglRays& rays, const hbGlTarget& places, const hbGlTarget& out) const {
+  const hbGlFunctions& gl = parts_->gl;
+  const hbGlProgram& program = parts_->differences;
+  out.clear(0.0F);
+  parts_->quad.bind();
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ONE, GL_ONE);
+  gl.BlendEquation(GL_FUNC_ADD);
+  program.use();
+  program.set("nodes", 0);
+  places.texture().bind(1);
+  program.set("places", 1);
+  rays.set(program, 2);
+  program.set("latticeScale", glm::vec3(parts_->latticeScale));
+  program.set("spacing", parts_->spacing);
+  parts_->forEachTerm([&](const Term& term) {
+    parts_->set(program, term);
+    program.set("weight", float(double(term.weight) * parts_->mapping.divisor * parts_->mapping.size));
+    parts_->quad.draw();
+  });
+  gl.Disable(GL_BLEND);
 }

@@ -1,51 +1,76 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
 #include "glcombine/hbGlFormat.h"
 #include "glcombine/hbTextureLayout.h"
+#include "raycast/hbPlaneRays.h"
 #include "sparsegrid/hbCombinationSparseGrid.h"
 
 class hbGlContext;
+class hbGlTarget;
+class hbOglRays;
 
 /// A sparse grid combined by texture hardware: each component grid is a 3D texture, and for a plane of samples all of
-/// them are drawn over each other, blended by their coefficients: the positive ones first, added, then the negative
-/// ones, subtracted.
+/// them are drawn over each other, blended by their coefficients.
 ///
-/// In fixed-point textures and targets, which clamp to [0,1], values are mapped to [0,1] by the range of all nodal
-/// values (the coefficients sum to 1, so the combination is mapped alike), and what is drawn is divided by the sum of
-/// the positive coefficients. Source: the sparse-grid paper, section 6, createTextures, dataToTexture, calcValueRect,
-/// draw.
+/// Fixed-point textures and targets hold [0,1] and clamp what is outside. Values are mapped there by the range of all
+/// nodal values (the coefficients sum to 1, so the combination is mapped alike), and what is drawn is divided by the
+/// sum of the positive coefficients. For 16-bit floats, values are divided by the largest magnitude. Source: the
+/// sparse-grid paper, section 6, createTextures, dataToTexture, calcValueRect, draw.
 class hbOglSparseGrid {
 public:
+  enum class Order : std::uint8_t {
+    positiveFirst, ///< As the paper has it: all positive coefficients, then all negative ones. Partial sums grow large.
+    interleaved    ///< Partial sums of the coefficients stay small, and so do rounding errors. Not where targets clamp.
+  };
+  enum class Filter : std::uint8_t {
+    hardware, ///< Textures are interpolated as the device does it; graphics processors know 8 bits between texels.
+    exact     ///< The shader reads eight texels and interpolates them in 32 bits.
+  };
   struct Options {
     hbGlFormat textures = hbGlFormat::r32f;
     hbGlFormat target = hbGlFormat::r32f;
     hbTextureLayout::Form form = hbTextureLayout::Form::exact;
+    std::optional<Order> order = std::nullopt; ///< Interleaved where the target is a float.
+    Filter filter = Filter::hardware;
+    /// Bytes of textures on the device at a time.
+    std::int64_t memory = std::numeric_limits<std::int64_t>::max();
+    bool stream = false; ///< Hand textures over again and again where they do not all fit.
   };
-
-  /// A rectangle of samples in the cube: sample (x, y) of width * height at corner + (x + 1/2) right + (y + 1/2) down.
-  struct Plane {
-    glm::dvec3 corner{0.0}, right{0.0}, down{0.0};
-    int width = 1, height = 1;
-  };
+  using Plane = hbPlaneRays::Plane;
 
   /// Keeps a reference to `context`, which must be current now and wherever the object is used, its end included.
-  /// Uploads the component. Throws hbError where a texture is refused.
+  /// Uploads the component. Throws hbError where a texture is refused, the memory does not suffice, or the order does
+  /// not go with the target.
   hbOglSparseGrid(const hbGlContext& context, const hbCombinationSparseGrid& grid, int component,
                   const Options& options);
   ~hbOglSparseGrid();
 
-  /// out[x + width y] = the value at that sample; outside the cube the value that stands for 0 in the target (see
-  /// above; mask such samples). One draw for each texture, and one read-back.
-  void values(const Plane& plane, std::vector<float>& out) const;
+  /// Blends the values on planes[i] into targets[i], all of one size, of Options::target, which are cleared first. What
+  /// is in a target stands for valueOf() it; of samples outside the cube it is anything finite. One draw for each
+  /// texture and plane; when streaming, textures that are not kept are handed over once a call.
+  void draw(std::span<const Plane> planes, std::span<const hbGlTarget* const> targets) const;
+
+  /// Field value = valueOf(0) + number in a target * (valueOf(1) - valueOf(0)).
+  double valueOf(double number) const;
+
+  /// For each pixel the value, less valueOf(0), and its central differences by x, y and z of the cube, where `places`
+  /// says: those of hbSurfaceShader. Into four channels, which are cleared first; pixels that are nowhere get anything.
+  /// Summed in 32 bits, whatever the target's format else. Seven texels a texture and pixel.
+  void differences(const hbOglRays& rays, const hbGlTarget& places, const hbGlTarget& out) const;
 
   /// Of all texels, empty ones included.
   std::int64_t textureBytes() const;
+  /// Of those that are on the device all the time.
+  std::int64_t residentBytes() const;
   /// Textures, which is draws a plane.
   std::int64_t textures() const;
 

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <limits>
 
+#include <glm/geometric.hpp>
+
 #include "raycast/hbSurfaceShader.h"
 
 hbPlaneCompositor::hbPlaneCompositor(const hbPlaneRays& rays) : rays_(rays) {
@@ -64,6 +66,7 @@ std::vector<hbPlaneRays::Surface> hbPlaneCompositor::shaded() const {
   std::vector<hbPlaneRays::Surface> surfaces = crossings_;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     surfaces[i].normal = shader.normals()[i];
+    surfaces[i].light = -glm::dot(shader.normals()[i], directions[i]);
     surfaces[i].value = shader.values()[i];
   }
   return surfaces;

@@ -107,7 +107,7 @@ hbPicture hbPlaneRays::iso(std::span<const Surface> surfaces) const {
   &a = picture.channels["A"];
   for (const Surface& surface : surfaces) {
     const std::size_t pixel = surface.pixel;
-    y[pixel] = float(-glm::dot(surface.normal, direction(pixel)));
+    y[pixel] = float(surface.light);
     a[pixel] = 1.0F;
     z[pixel] = float(distance(surface.place));
     nx[pixel] = float(surface.normal.x);

@@ -32,6 +32,7 @@ public:
     std::size_t pixel = 0;
     double place = 0.0;
     glm::dvec3 normal{0.0}; ///< Of the world, of length 1, towards the viewer.
+    double light = 0.0;     ///< Lambert's, from the viewer: the cosine between the normal and the ray reversed.
     float value = 0.0F;     ///< The field's.
   };
 

@@ -100,6 +100,10 @@ void hbCombinationSparseGrid::gradients(const hbPoints64& points, int component,
   hb::evaluateCombination(*terms_, values_[std::size_t(component)].data(), points, out, &gradient);
 }
 
+glm::dvec3 hbCombinationSparseGrid::latticeScale() const {
+  return {terms_->axes[0].scale, terms_->axes[1].scale, terms_->axes[2].scale};
+}
+
 float hbCombinationSparseGrid::calcValue32(const glm::vec3& point, int component) const {
   // Scales are exact in floats, so each product is rounded once, as it is everywhere else.
   const auto u = [&](int d) { return clamped(point[d]) * float(terms_->axes[std::size_t(d)].scale); };

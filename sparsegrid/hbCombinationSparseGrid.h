@@ -29,6 +29,8 @@ public:
     std::int64_t count() const { return nodes.x * nodes.y * nodes.z; }
   };
   const std::vector<Grid>& grids() const { return grids_; }
+  /// Coordinate in the grids = latticeScale() * cube coordinate, see hbSparseGrid::latticeScale().
+  glm::dvec3 latticeScale() const;
   /// The nodal values of one grid, x fastest.
   std::span<const float> values(const Grid& grid, int component) const {
     return std::span(values_[std::size_t(component)]).subspan(std::size_t(grid.offset), std::size_t(grid.count()));

@@ -6,60 +6,114 @@
 
 #include "glcombine/hbGlContext.h"
 #include "raycast/hbRaycaster.h"
+#include "sparsegrid/hbCombinationSparseGrid.h"
 #include "tests/glcombine/hbGlBounds.h"
 #include "tests/raycast/hbTestScenes.h"
 
 using namespace hbTestScenes;
 
-TEST(hbOglRaycaster, XrayAndMipAreThePlanewisePicturesOfTheCombination) {
-  const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
-  const hbGlCurrent current(*context);
-  for (const hbGeometry& g : {box({9, 9, 9}, {1.0, 1.0, 1.0}), awkward()}) {
-    const hbCombinationSparseGrid grid(gridOf(g, 3, {waves}));
+namespace {
+
+/// By which library, and how a picture is drawn.
+struct Way {
+  std::string name;
+  hbGlContext::Kind kind;
+  hbOglRaycaster::Options options;
+};
+
+std::vector<Way> ways() {
+  using Form = hbOglRaycaster::Form;
+  std::vector<Way> list;
+  for (const auto& [name, kind] :
+       {std::pair("Osmesa", hbGlContext::Kind::osmesa), std::pair("Egl", hbGlContext::Kind::egl)}) {
+    const auto add = [&, kind = kind, name = std::string(name)](const char* how,
+                                                                const hbOglRaycaster::Options& options) {
+      list.push_back({name + how, kind, options});
+    };
+    hbOglRaycaster::Options blend{Form::blend, false, {}};
+    add("Blend", blend);
+    blend.blend.filter = hbOglSparseGrid::Filter::exact;
+    blend.blend.order = hbOglSparseGrid::Order::positiveFirst;
+    blend.blend.form = hbTextureLayout::Form::padded;
+    add("BlendExactlyPaddedPositiveFirst", blend);
+    add("BlendReadBack", {Form::blend, true, {}});
+  }
+  return list;
+}
+
+class hbOglRaycasterTest : public testing::TestWithParam<Way> {
+protected:
+  std::unique_ptr<hbGlContext> context = hbGlContext::create(GetParam().kind);
+  hbGlCurrent current{*context};
+
+  hbPicture drawn(const hbSparseGrid& grid, const hbScene& scene) const {
+    return hbOglRaycaster(*context, grid, scene, GetParam().options).render();
+  }
+};
+
+hbScene planewise(hbMode mode, const hbCamera& camera) {
+  hbScene scene = sceneOf(mode, camera, 19, 13);
+  scene.sampling.kind = hbSampling::Kind::planewise;
+  return scene;
+}
+
+} // namespace
+
+TEST_P(hbOglRaycasterTest, XrayAndMipAreThePlanewisePicturesOfTheCombination) {
+  for (const hbGeometry& g : {box({9, 9, 9}, {1.0, 1.0, 1.0}), awkward(), box({9, 1, 5}, {1.0, 0.3, 2.0})}) {
+    const hbSparseGrid grid = gridOf(g, 3, {waves});
+    const hbCombinationSparseGrid combination(grid);
     for (const hbCamera& camera : cameras(g))
       for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
-        hbScene scene = sceneOf(mode, camera, 19, 13);
-        scene.sampling.kind = hbSampling::Kind::planewise;
-        const hbPicture expected = hbRaycaster(grid, scene).render();
-        const hbPicture found = hbOglRaycaster(*context, grid, scene, {}).render();
+        const hbScene scene = planewise(mode, camera);
+        const hbPicture expected = hbRaycaster(combination, scene).render(), found = drawn(grid, scene);
         EXPECT_EQ(channel(found, "A"), channel(expected, "A"));
         const std::vector<float> ys = channel(found, "Y"), exact = channel(expected, "Y");
-        // Both are as far from the exact combination as their engines: twice.
-        const double perValue = 2.0 * hbGlBounds(grid).floats();
+        const hbGlBounds bounds(combination, hbPlaneRays(combination, scene));
         const double longest = glm::length(g.extent()) + scene.sampling.stepLength(g, camera) * 16.0;
+        const double tolerance = mode == hbMode::xray ? bounds.sums() * longest : bounds.values();
         for (std::size_t i = 0; i < ys.size(); ++i)
-          EXPECT_NEAR(ys[i], exact[i], perValue * (mode == hbMode::xray ? longest : 1.0) + 0x1p-22 * std::abs(exact[i]))
-              << i;
+          EXPECT_NEAR(ys[i], exact[i], tolerance + 0x1p-22 * std::abs(exact[i])) << i;
       }
   }
 }
 
 // Of a linear field, whose surfaces are planes wherever they are cut.
-TEST(hbOglRaycaster, IsoSurfacesAreThePlanewiseOnes) {
-  const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
-  const hbGlCurrent current(*context);
+TEST_P(hbOglRaycasterTest, IsoSurfacesAreThePlanewiseOnes) {
   const hbGeometry g = awkward();
-  const hbCombinationSparseGrid grid(
-      gridOf(g, 2, {[](const glm::dvec3& p) { return p.x + 2.0 * p.y + 3.0 * p.z - 2.7; }}));
+  const hbSparseGrid grid = gridOf(g, 2, {[](const glm::dvec3& p) { return p.x + 2.0 * p.y + 3.0 * p.z - 2.7; }});
+  const hbCombinationSparseGrid combination(grid);
   int surfaces = 0;
   for (const hbCamera& camera : cameras(g)) {
-    hbScene scene = sceneOf(hbMode::iso, camera, 19, 13);
-    scene.sampling.kind = hbSampling::Kind::planewise;
-    const hbPicture expected = hbRaycaster(grid, scene).render();
-    const hbPicture found = hbOglRaycaster(*context, grid, scene, {}).render();
+    const hbScene scene = planewise(hbMode::iso, camera);
+    const hbPicture expected = hbRaycaster(combination, scene).render(), found = drawn(grid, scene);
+    const hbPlaneRays rays(combination, scene);
+    const double perValue = hbGlBounds(combination, rays).values();
     EXPECT_EQ(channel(found, "A"), channel(expected, "A"));
-    for (int y = 0; y < scene.height; ++y)
-      for (int x = 0; x < scene.width; ++x) {
-        const auto i = std::size_t(x + scene.width * y);
-        if (channel(expected, "A")[i] == 0.0F) continue;
-        ++surfaces;
-        const hbRay ray = camera.ray(x + 0.5, y + 0.5, scene.width, scene.height);
-        const glm::dvec3 way(glm::inverse(g.cubeToWorld()) * glm::dvec4(ray.direction, 0.0));
-        const double slope = std::abs(glm::dot(way, glm::dvec3(1.0, 2.0, 3.0))); // along the ray
-        // Both ends of the step between two planes are off by as much as a value is, in either picture.
-        const double z = channel(expected, "Z")[i], tolerance = 4.0 * hbGlBounds(grid).floats() / slope;
-        EXPECT_NEAR(channel(found, "Z")[i], z, tolerance + 0x1p-22 * std::abs(z)) << x << " " << y;
-      }
+    const double step = scene.sampling.stepLength(g, camera);
+    for (std::size_t i = 0; i < channel(found, "A").size(); ++i) {
+      if (channel(expected, "A")[i] == 0.0F) continue;
+      ++surfaces;
+      const glm::dvec3 way(glm::inverse(g.cubeToWorld()) * glm::dvec4(rays.direction(i), 0.0));
+      const double slope = std::abs(glm::dot(way, glm::dvec3(1.0, 2.0, 3.0))); // along the ray
+      // Both ends of the step between two planes are off by as much as a value is, in either picture; a place is
+      // rounded to floats, and so are the three operations that find it.
+      const double z = channel(expected, "Z")[i];
+      const double place = 2.0 * perValue / slope + (rays.planes() + 4) * 0x1p-24 * step;
+      EXPECT_NEAR(channel(found, "Z")[i], z, place + 0x1p-22 * std::abs(z)) << i;
+      EXPECT_NEAR(channel(found, "value")[i], channel(expected, "value")[i],
+                  perValue + place * slope / rays.rays()[i].cosine)
+          << i;
+      // Slopes are differences of two values over a sample spacing at the least, each off by as much as a value is;
+      // lengths are the world's. The gradient there is longer than 2, by which a unit normal moves less, and that
+      // leaves room for the third axis' shear.
+      const double perSlope = 2.0 * perValue * glm::length(1.0 / (g.cubeSpacing() * g.extent()));
+      for (const char* n : {"Y", "N.X", "N.Y", "N.Z"})
+        EXPECT_NEAR(channel(found, n)[i], channel(expected, n)[i], perSlope) << n << i;
+    }
   }
   EXPECT_GT(surfaces, 500);
 }
+
+INSTANTIATE_TEST_SUITE_P(OffScreen, hbOglRaycasterTest, testing::ValuesIn(ways()),
+                         [](const auto& way) { return way.param.name; });
