@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sparsegrid/hbSparseGrid.h"
@@ -31,9 +32,14 @@ public:
   const std::vector<Grid>& grids() const { return grids_; }
   /// Coordinate in the grids = latticeScale() * cube coordinate, see hbSparseGrid::latticeScale().
   glm::dvec3 latticeScale() const;
+  /// The nodal values of all grids, each from its offset on.
+  std::span<const float> values(int component) const {
+    const Grid& last = grids_.back();
+    return std::span(values_[std::size_t(component)]).first(std::size_t(last.offset + last.count()));
+  }
   /// The nodal values of one grid, x fastest.
   std::span<const float> values(const Grid& grid, int component) const {
-    return std::span(values_[std::size_t(component)]).subspan(std::size_t(grid.offset), std::size_t(grid.count()));
+    return values(component).subspan(std::size_t(grid.offset), std::size_t(grid.count()));
   }
 
   const hbGeometry& geometry() const override { return frame_.geometry; }

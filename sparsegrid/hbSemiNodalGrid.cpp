@@ -183,6 +183,8 @@ hbSemiNodalGrid::hbSemiNodalGrid(const hbSparseGrid& grid)
   }
 }
 
+const hbSemiNodalTerms& hbSemiNodalGrid::terms() const { return layout_->terms; }
+
 void hbSemiNodalGrid::values(const hbPoints& points, int component, std::span<float> out) const {
   hb::evaluateSemiNodal(layout_->terms, values_[std::size_t(component)].data(), points, out, nullptr);
 }

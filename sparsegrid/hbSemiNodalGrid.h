@@ -1,9 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sparsegrid/hbSparseGrid.h"
+
+struct hbSemiNodalTerms;
 
 /// A sparse grid kept nodal along x and hierarchical along y and z (the `seminodal` engine): the fast way to evaluate
 /// it at any point. The same function as the hbSparseGrid it is made from, up to rounding.
@@ -22,6 +25,10 @@ public:
   static bool fits(const hbIndexSet& set);
   /// The memory it takes.
   static double bytes(const hbIndexSet& set, int components);
+
+  /// The stored values of all lines, and where each term finds its own: for those who evaluate the grid elsewhere.
+  std::span<const float> values(int component) const { return values_[std::size_t(component)]; }
+  const hbSemiNodalTerms& terms() const;
 
   const hbGeometry& geometry() const override { return frame_.geometry; }
   int components() const override { return int(values_.size()); }
