@@ -7,7 +7,8 @@
 #include "volume/hbError.h"
 
 namespace {
-constexpr std::array<std::string_view, 6> kNames{"auto", "full", "direct", "seminodal", "combination", "lattice"};
+constexpr std::array<std::string_view, 7> kNames{"auto",        "full",    "direct", "seminodal",
+                                                 "combination", "lattice", "opengl"};
 }
 
 std::string_view hb::engineName(hbEngine engine) { return kNames[std::size_t(engine)]; }
@@ -16,5 +17,5 @@ hbEngine hb::engineFromName(std::string_view name) {
   for (std::size_t i = 0; i < kNames.size(); ++i)
     if (kNames[i] == name) return hbEngine(i);
   throw hbError(
-      fmt::format("engine: expected auto, full, direct, seminodal, combination or lattice, found '{}'", name));
+      fmt::format("engine: expected auto, full, direct, seminodal, combination, lattice or opengl, found '{}'", name));
 }

@@ -11,6 +11,7 @@ enum class hbEngine : std::uint8_t {
   seminodal, ///< A sparse grid's lines along x, nodal there and hierarchical across: the fast one.
   combination, ///< A sparse grid's component grids, each trilinear.
   lattice,     ///< A sparse grid on whole slices: pictures by hbShearWarp. At single points as `direct`.
+  opengl,      ///< A sparse grid by OpenGL: pictures by hbOglRaycaster. At single points as `direct`.
 };
 
 namespace hb {

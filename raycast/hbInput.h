@@ -41,11 +41,13 @@ struct hbInput {
   /// volume count as `nonFinite` where it is given. Throws hbError for an engine that cannot evaluate this
   /// representation. The engines seminodal and combination are built here: 4 bytes for each of
   /// hbIndexSet::storedValues(), or of combinationValues(); so is `full` of a sparse grid, see hb::extractFullGrid().
-  /// `lattice` is the sparse grid itself.
+  /// `lattice`
+  /// and `opengl` are the sparse grid itself.
   std::shared_ptr<const hbField> field(hbEngine engine, std::optional<double> nonFinite = std::nullopt,
                                        hbProgress& progress = hbProgress::none()) const;
 
-  /// What field() takes beside what is loaded already, at its peak, in bytes; for `lattice`, what an hbShearWarp takes.
+  /// What field() takes beside what is loaded already, at its peak, in bytes; for `lattice`, what an hbShearWarp takes;
+  /// for `opengl`, see hbOglRaycaster::bytes().
   double fieldBytes(hbEngine engine) const;
 
   /// What `automatic` stands for here.

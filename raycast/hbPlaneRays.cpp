@@ -5,9 +5,12 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
 
+#include "raycast/hbPixelRays.h"
 #include "raycast/hbRaySegment.h"
 #include "volume/hbError.h"
 
@@ -62,7 +65,37 @@ hbPlaneRays::Plane hbPlaneRays::plane(int index) const {
   };
   const glm::dvec3 corner = at(0.0, 0.0);
   return {corner, (at(scene_.width, 0.0) - corner) / double(scene_.width),
-          (at(0.0, scene_.height) - corner) / double(scene_.height)};
+          (at(0.0, scene_.height) - corner) / double(scene_.height), window(index)};
+}
+
+hbPlaneRays::Window hbPlaneRays::window(int plane) const {
+  const double way = distance(plane);
+  const bool isPerspective = scene_.camera->projection == hbCamera::Projection::perspective;
+  if (isPerspective && !(way > 0.0)) return {};
+  // The plane cuts a polygon out of the cube, with its corners on edges of the cube.
+  const hbPixelRays pixels(*scene_.camera, scene_.width, scene_.height, field_.geometry());
+  glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double u : {0.0, 1.0})
+      for (const double v : {0.0, 1.0}) {
+        glm::dvec3 a(0.0), b(0.0);
+        a[(axis + 1) % 3] = b[(axis + 1) % 3] = u;
+        a[(axis + 2) % 3] = b[(axis + 2) % 3] = v;
+        b[axis] = 1.0;
+        const double atA = pixels.distance(a), atB = pixels.distance(b);
+        if (std::min(atA, atB) > way || std::max(atA, atB) < way) continue;
+        for (const double t : atA == atB ? std::vector{0.0, 1.0} : std::vector{(way - atA) / (atB - atA)}) {
+          const glm::dvec2 pixel = pixels.pixel(a + t * (b - a));
+          low = glm::min(low, pixel);
+          high = glm::max(high, pixel);
+        }
+      }
+  // A pixel more on each side, for what is rounded.
+  const glm::dvec2 size(scene_.width, scene_.height);
+  low = glm::clamp(glm::floor(low) - 1.0, glm::dvec2(0.0), size);
+  high = glm::clamp(glm::ceil(high) + 1.0, glm::dvec2(0.0), size);
+  if (!(low.x < high.x && low.y < high.y)) return {};
+  return {int(low.x), int(low.y), int(high.x - low.x), int(high.y - low.y)};
 }
 
 hbPicture hbPlaneRays::empty() const {

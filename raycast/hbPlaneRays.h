@@ -16,9 +16,15 @@
 /// them.
 class hbPlaneRays {
 public:
+  /// A rectangle of pixels.
+  struct Window {
+    int x = 0, y = 0, width = 0, height = 0;
+  };
+
   /// The samples of one plane in the volume's cube: that of pixel (x, y) at corner + (x + 1/2) right + (y + 1/2) down.
   struct Plane {
     glm::dvec3 corner{0.0}, right{0.0}, down{0.0};
+    Window window{}; ///< No other pixels see the volume on this plane.
   };
 
   /// The planes on which a pixel's ray is in the volume, none where last < first.
@@ -65,6 +71,7 @@ public:
 private:
   double distance(double place) const { return near_ + (place + 0.5) * step_; }
   hbRay ray(std::size_t pixel) const;
+  Window window(int plane) const;
   hbPicture empty() const;
 
   const hbField& field_;
