@@ -75,6 +75,7 @@ private:
   X(DeleteVertexArrays)                                                                                                \
   X(Disable)                                                                                                           \
   X(DrawArrays)                                                                                                        \
+  X(DrawArraysInstanced)                                                                                               \
   X(Enable)                                                                                                            \
   X(Finish)                                                                                                            \
   X(FramebufferTexture)                                                                                                \
@@ -103,6 +104,8 @@ private:
   X(Uniform1f)                                                                                                         \
   X(Uniform1i)                                                                                                         \
   X(Uniform3f)                                                                                                         \
+  X(Uniform3fv)                                                                                                        \
+  X(Uniform4fv)                                                                                                        \
   X(UniformBlockBinding)                                                                                               \
   X(UniformMatrix3fv)                                                                                                  \
   X(UseProgram)                                                                                                        \

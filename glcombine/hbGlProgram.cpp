@@ -66,6 +66,12 @@ void hbGlProgram::set(const char* name, const glm::vec3& value) const {
 void hbGlProgram::set(const char* name, const glm::mat3& value) const {
   gl_.UniformMatrix3fv(location(name), 1, GL_FALSE, &value[0][0]);
 }
+void hbGlProgram::set(const char* name, std::span<const glm::vec3> values) const {
+  gl_.Uniform3fv(location(name), GLsizei(values.size()), &values[0].x);
+}
+void hbGlProgram::set(const char* name, std::span<const glm::vec4> values) const {
+  gl_.Uniform4fv(location(name), GLsizei(values.size()), &values[0].x);
+}
 void hbGlProgram::setBlock(const char* name, GLuint binding) const {
   const GLuint block = gl_.GetUniformBlockIndex(program_, name);
   if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(program_, block, binding);

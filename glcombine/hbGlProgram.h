@@ -1,10 +1,12 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <string>
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include "glcombine/hbGlFunctions.h"
 
@@ -23,6 +25,9 @@ public:
   void set(const char* name, float value) const;
   void set(const char* name, const glm::vec3& value) const;
   void set(const char* name, const glm::mat3& value) const;
+  /// The first elements of an array.
+  void set(const char* name, std::span<const glm::vec3> values) const;
+  void set(const char* name, std::span<const glm::vec4> values) const;
   /// Has a uniform block read what is bound to that GL_UNIFORM_BUFFER.
   void setBlock(const char* name, GLuint binding) const;
 

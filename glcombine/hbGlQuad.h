@@ -2,7 +2,7 @@
 
 #include "glcombine/hbGlFunctions.h"
 
-/// Draws a rectangle over the whole target. The context must be current wherever it is used.
+/// Draws rectangles, by default over the whole target. The context must be current wherever it is used.
 class hbGlQuad {
 public:
   /// For fragment shaders that need nothing but gl_FragCoord. Others know the corners by gl_VertexID as well.
@@ -19,6 +19,8 @@ void main() { gl_Position = vec4(2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) -
   /// For the draws that follow.
   void bind() const { gl_.BindVertexArray(vertices_); }
   void draw() const { gl_.DrawArrays(GL_TRIANGLE_STRIP, 0, 4); }
+  /// Several of them; gl_InstanceID says which.
+  void draw(int count) const { gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count); }
 
 private:
   const hbGlFunctions& gl_;

@@ -3,95 +3,125 @@
 #include <algorithm>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "glcombine/hbGlContext.h"
 #include "glcombine/hbGlTarget.h"
+#include "glcombine/hbOglFused.h"
 #include "glcombine/hbOglPlaneCompositor.h"
 #include "glcombine/hbOglRays.h"
 #include "glcombine/hbOglSurfaceShader.h"
+#include "glcombine/hbOglTiles.h"
 #include "raycast/hbPlaneCompositor.h"
+#include "sparsegrid/hbSemiNodalGrid.h"
+#include "volume/hbError.h"
 
 namespace {
 
-/// Planes drawn at a time where textures are handed over again for each time.
-constexpr int kStreamedPlanes = 16;
-
-/// Targets for the planes drawn at a time, and for the one before them.
-class Targets {
-public:
-  Targets(const hbGlFunctions& gl, const hbScene& scene, hbGlFormat format, int atATime) {
-    for (int i = 0; i <= atATime; ++i)
-      list_.push_back(std::make_unique<const hbGlTarget>(gl, scene.width, scene.height, format));
-  }
-  /// Of a plane; planes come one after the other.
-  const hbGlTarget* of(int plane) const { return list_[std::size_t(plane) % list_.size()].get(); }
-
-private:
-  std::vector<std::unique_ptr<const hbGlTarget>> list_;
-};
+/// Copies the pixels of one tile out of a target's.
+void copyTile(const std::vector<float>& target, const hbOglTiles& tiles, int tile, std::vector<float>& out) {
+  out.resize(std::size_t(tiles.width()) * std::size_t(tiles.height()));
+  for (int y = 0; y < tiles.height(); ++y)
+    std::copy_n(target.begin() + tiles.x(tile) + std::ptrdiff_t(tiles.y(tile) + y) * tiles.targetWidth(), tiles.width(),
+                out.begin() + std::ptrdiff_t(y) * tiles.width());
+}
 
 } // namespace
 
 struct hbOglRaycaster::Parts {
   const hbGlContext& context;
   const hbGlFunctions& gl;
-  hbPlaneRays rays;
+  const hbSparseGrid& grid;
+  hbScene scene;
   Options options;
-  hbOglRays deviceRays;
-  std::optional<hbOglSparseGrid> blended;
+  std::optional<hbOglSparseGrid> blended; ///< blend, and where pictures are composited on the device, how.
+  std::optional<hbOglPlaneCompositor> compositor;
+  std::optional<hbOglFused> fused; ///< The other forms, and what they draw into.
+  std::optional<hbGlTarget> marched;
   std::optional<hbOglSurfaceShader> shader;
 
-  Parts(const hbGlContext& c, const hbSparseGrid& grid, const hbScene& scene, const Options& choice)
-      : context(c), gl(c.gl()), rays(grid, scene), options(choice), deviceRays(gl, rays) {
-    blended.emplace(context, hbCombinationSparseGrid(grid), scene.component, options.blend);
+  Parts(const hbGlContext& c, const hbSparseGrid& g, const hbScene& asked, const Options& choice)
+      : context(c), gl(c.gl()), grid(g), scene(hbPlaneRays(g, asked).scene()), options(choice) {
+    options.blend.memory = options.memory;
+    if (options.form == Form::blend) {
+      blended.emplace(context, hbCombinationSparseGrid(grid), scene.component, options.blend);
+      if (!options.readBack) compositor.emplace(gl, scene);
+    } else {
+      if (options.form == Form::fused)
+        fused.emplace(context, hbCombinationSparseGrid(grid), scene.component);
+      else
+        fused.emplace(context, hbSemiNodalGrid(grid), scene.component);
+      if (fused->textureBytes() > options.memory)
+        throw hbError(fmt::format("textures: expected memory for {} bytes, found a limit of {}", fused->textureBytes(),
+                                  options.memory));
+      marched.emplace(gl, scene.width, scene.height, hbGlFormat::r32f);
+    }
     if (scene.mode == hbMode::iso) shader.emplace(gl);
   }
 
-  int planesAtATime() const { return blended->residentBytes() < blended->textureBytes() ? kStreamedPlanes : 1; }
-
-  /// Blends all planes and calls take(index, before, target) with each.
+  /// Blends all planes, as many at a time as there are tiles, and calls take(first, count, before, target) with each
+  /// lot; `before` is the target of the lot before.
   template <class Take>
-  void blendPlanes(hbProgress& progress, Take take) const {
-    const int step = planesAtATime();
-    const Targets targets(gl, rays.scene(), options.blend.target, step);
+  void blendPlanes(const hbPlaneRays& rays, const hbOglTiles& tiles, hbProgress& progress, Take take) const {
+    const auto target = [&] { return hbGlTarget(gl, tiles.targetWidth(), tiles.targetHeight(), options.blend.target); };
+    const hbGlTarget targets[] = {target(), target()};
     progress.begin("blending planes", rays.planes(), "planes");
-    for (int first = 0; first < rays.planes(); first += step) {
+    for (int first = 0, lot = 0; first < rays.planes(); first += tiles.count(), ++lot) {
       std::vector<hbPlaneRays::Plane> planes;
-      std::vector<const hbGlTarget*> drawn;
-      for (int i = first; i < std::min(first + step, rays.planes()); ++i) {
-        planes.push_back(rays.plane(i));
-        drawn.push_back(targets.of(i));
-      }
-      blended->draw(planes, drawn);
-      for (int i = first; i < first + int(planes.size()); ++i) take(i, *targets.of(std::max(i - 1, 0)), *targets.of(i));
+      for (int i = first; i < std::min(first + tiles.count(), rays.planes()); ++i) planes.push_back(rays.plane(i));
+      blended->draw(planes, tiles, targets[lot % 2]);
+      take(first, int(planes.size()), targets[(lot + 1) % 2], targets[lot % 2]);
       progress.advance(std::int64_t(planes.size()));
     }
   }
 
-  hbPicture readBack(hbProgress& progress) const {
-    hbPlaneCompositor compositor(rays);
-    std::vector<float> values;
-    blendPlanes(progress, [&](int index, const hbGlTarget&, const hbGlTarget& target) {
-      target.read(values);
-      for (float& value : values) value = float(blended->valueOf(double(value)));
-      compositor.add(index, values);
-    });
-    return compositor.finish();
+  hbOglTiles tilesFor(const hbPlaneRays& rays) const {
+    GLint mostTexels = 0;
+    gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &mostTexels);
+    return {scene.width, scene.height, rays.planes(), mostTexels};
   }
 
-  hbPicture composite(hbProgress& progress) const {
-    const double zero = blended->valueOf(0.0), one = blended->valueOf(1.0) - zero;
-    hbOglPlaneCompositor compositor(gl, deviceRays, float((double(rays.iso()) - zero) / one));
-    blendPlanes(progress, [&](int index, const hbGlTarget& before, const hbGlTarget& target) {
-      compositor.add(index, before, target);
+  hbPicture readBack(const hbPlaneRays& rays, hbProgress& progress) const {
+    hbPlaneCompositor software(rays);
+    const hbOglTiles tiles = tilesFor(rays);
+    std::vector<float> read, values;
+    blendPlanes(rays, tiles, progress, [&](int first, int count, const hbGlTarget&, const hbGlTarget& target) {
+      target.read(read);
+      for (float& value : read) value = float(blended->valueOf(double(value)));
+      for (int i = 0; i < count; ++i) {
+        copyTile(read, tiles, i, values);
+        software.add(first + i, values);
+      }
     });
-    return picture(compositor.found(), zero, one);
+    return software.finish();
+  }
+
+  hbPicture blend(const hbPlaneRays& rays, hbProgress& progress) {
+    const hbOglRays deviceRays(gl, rays);
+    const double zero = blended->valueOf(0.0), one = blended->valueOf(1.0) - zero;
+    compositor->begin(float((double(rays.iso()) - zero) / one));
+    const hbOglTiles tiles = tilesFor(rays);
+    blendPlanes(rays, tiles, progress, [&](int first, int count, const hbGlTarget& before, const hbGlTarget& target) {
+      compositor->add(deviceRays, first, count, tiles, before, target);
+    });
+    return picture(deviceRays, compositor->found(), zero, one);
+  }
+
+  hbPicture march(const hbPlaneRays& rays, hbProgress& progress) {
+    const hbOglRays deviceRays(gl, rays);
+    progress.begin("casting rays", 1, "pictures");
+    fused->march(deviceRays, *marched);
+    hbPicture made = picture(deviceRays, *marched, 0.0, 1.0);
+    progress.advance(1);
+    return made;
   }
 
   /// Of what was found, in numbers of which 0 and 1 stand for those values.
-  hbPicture picture(const hbGlTarget& found, double zero, double one) const {
+  hbPicture picture(const hbOglRays& deviceRays, const hbGlTarget& found, double zero, double one) const {
+    const hbPlaneRays& rays = deviceRays.planes();
     std::vector<float> numbers;
     found.read(numbers);
-    switch (rays.scene().mode) {
+    switch (scene.mode) {
     case hbMode::xray: {
       std::vector<double> sums(numbers.begin(), numbers.end());
       for (std::size_t i = 0; i < sums.size(); ++i)
@@ -104,21 +134,29 @@ struct hbOglRaycaster::Parts {
     case hbMode::iso:
       break;
     }
-    const hbGlTarget differences(gl, rays.scene().width, rays.scene().height, hbGlFormat::r32f, 4),
-        shaded(gl, rays.scene().width, rays.scene().height, hbGlFormat::r32f, 4);
-    blended->differences(deviceRays, found, differences);
+    return rays.iso(surfaces(deviceRays, found, numbers, zero));
+  }
+
+  std::vector<hbPlaneRays::Surface> surfaces(const hbOglRays& deviceRays, const hbGlTarget& found,
+                                             const std::vector<float>& places, double zero) const {
+    const hbGlTarget differences(gl, scene.width, scene.height, hbGlFormat::r32f, 4),
+        shaded(gl, scene.width, scene.height, hbGlFormat::r32f, 4);
+    if (blended)
+      blended->differences(deviceRays, found, differences);
+    else
+      fused->differences(deviceRays, found, differences);
     shader->shade(deviceRays, differences, shaded);
     std::vector<float> values, normals;
     differences.read(values);
     shaded.read(normals);
-    std::vector<hbPlaneRays::Surface> surfaces;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      if (numbers[i] >= hbOglRays::kNowhere) continue;
+    std::vector<hbPlaneRays::Surface> list;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (places[i] >= hbOglRays::kNowhere) continue;
       const float* normal = &normals[4 * i];
-      surfaces.push_back(
-          {i, double(numbers[i]), {normal[0], normal[1], normal[2]}, normal[3], float(zero + double(values[4 * i]))});
+      list.push_back(
+          {i, double(places[i]), {normal[0], normal[1], normal[2]}, normal[3], float(zero + double(values[4 * i]))});
     }
-    return rays.iso(surfaces);
+    return list;
   }
 };
 
@@ -128,10 +166,31 @@ hbOglRaycaster::hbOglRaycaster(const hbGlContext& context, const hbSparseGrid& g
 
 hbOglRaycaster::~hbOglRaycaster() = default;
 
-hbPicture hbOglRaycaster::render(hbProgress& progress) const {
-  return parts_->options.readBack ? parts_->readBack(progress) : parts_->composite(progress);
+double hbOglRaycaster::bytes(const hbSparseGrid& grid, const hbScene& scene, const Options& options) {
+  const hbIndexSet& set = grid.indexSet();
+  constexpr double kPixel = 128.0; // rays, what was found, normals
+  const double pixels = kPixel * scene.width * scene.height;
+  if (options.form == Form::seminodal)
+    return pixels + hbSemiNodalGrid::bytes(set, grid.components()) + hbSemiNodalGrid::bytes(set, 1);
+  const double components = hbCombinationSparseGrid::bytes(set, grid.components());
+  if (options.form == Form::fused) return pixels + components + double(sizeof(float)) * double(set.combinationValues());
+  double texels = 0.0;
+  constexpr std::int64_t kMostTexels = 2048; // any device's; what pieces share is little
+  for (const auto& one : set.componentGrids())
+    texels += double(hbTextureLayout(one.levels, set.flat(), options.blend.form, kMostTexels).texels());
+  return pixels + components + texels * double(sizeof(float) + std::size_t(hb::glFormatBytes(options.blend.textures)));
 }
 
-const hbScene& hbOglRaycaster::scene() const { return parts_->rays.scene(); }
-std::int64_t hbOglRaycaster::textureBytes() const { return parts_->blended->textureBytes(); }
-std::int64_t hbOglRaycaster::residentBytes() const { return parts_->blended->residentBytes(); }
+hbPicture hbOglRaycaster::render(hbProgress& progress) {
+  const hbPlaneRays rays(parts_->grid, parts_->scene);
+  if (parts_->fused) return parts_->march(rays, progress);
+  return parts_->options.readBack ? parts_->readBack(rays, progress) : parts_->blend(rays, progress);
+}
+
+const hbScene& hbOglRaycaster::scene() const { return parts_->scene; }
+std::int64_t hbOglRaycaster::textureBytes() const {
+  return parts_->blended ? parts_->blended->textureBytes() : parts_->fused->textureBytes();
+}
+std::int64_t hbOglRaycaster::residentBytes() const {
+  return parts_->blended ? parts_->blended->residentBytes() : parts_->fused->textureBytes();
+}

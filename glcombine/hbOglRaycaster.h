@@ -22,7 +22,9 @@ public:
     /// blend: read every plane back and let hbPlaneCompositor do the rest, as the paper does; else the picture is
     /// read once.
     bool readBack = false;
-    hbOglSparseGrid::Options blend; ///< Its memory is that of all forms.
+    /// Bytes of the grid's values on the device at a time.
+    std::int64_t memory = std::numeric_limits<std::int64_t>::max();
+    hbOglSparseGrid::Options blend{}; ///< But for its memory, which is the above.
   };
 
   /// Keeps references to `context`, which must be current as hbOglSparseGrid says, and to `grid`. Throws hbError as
@@ -30,8 +32,11 @@ public:
   hbOglRaycaster(const hbGlContext& context, const hbSparseGrid& grid, const hbScene& scene, const Options& options);
   ~hbOglRaycaster();
 
+  /// Main memory that it takes at its peak, what software keeps for textures included, in bytes.
+  static double bytes(const hbSparseGrid& grid, const hbScene& scene, const Options& options);
+
   /// One frame, with the channels and the metadata of hbRaycaster::render(). Throws hbCancelled.
-  hbPicture render(hbProgress& progress = hbProgress::none()) const;
+  hbPicture render(hbProgress& progress = hbProgress::none());
 
   /// With its camera.
   const hbScene& scene() const;

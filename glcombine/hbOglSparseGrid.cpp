@@ -14,19 +14,26 @@
 #include "glcombine/hbGlQuad.h"
 #include "glcombine/hbGlTarget.h"
 #include "glcombine/hbOglRays.h"
+#include "glcombine/hbOglTiles.h"
 #include "glcombine/hbTermOrder.h"
 
 namespace {
 
+// Each instance is the window of one plane, in its tile.
 constexpr const char* kPlaneVertices = R"(#version 330 core
-uniform vec3 corner, right, down; // of the whole plane, in the grids' coordinates
-uniform vec3 scale, offset;
+uniform vec3 corner[kMost], right[kMost], down[kMost]; // in the grids' coordinates, a pixel to the right and down
+uniform vec4 window[kMost];
+uniform vec3 tiles; // columns, width, height
+uniform vec3 target; // width, height
+uniform mat3 toTexture;
+uniform vec3 offset;
 out vec3 place, coordinates;
 void main() {
-  vec2 at = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-  place = corner + at.x * right + at.y * down;
-  coordinates = offset + scale * place;
-  gl_Position = vec4(2.0 * at - 1.0, 0.0, 1.0);
+  int i = gl_InstanceID, columns = int(tiles.x);
+  vec2 pixel = window[i].xy + vec2(gl_VertexID & 1, gl_VertexID >> 1) * window[i].zw;
+  place = corner[i] + pixel.x * right[i] + pixel.y * down[i];
+  coordinates = offset + toTexture * place;
+  gl_Position = vec4(2.0 * (vec2(i % columns, i / columns) * tiles.yz + pixel) / target.xy - 1.0, 0.0, 1.0);
 })";
 
 /// texel(coordinates): a texture's value there.
@@ -68,13 +75,14 @@ void main() {
 constexpr const char* kDifferencesFragments = R"(
 uniform sampler2D places;
 uniform vec3 latticeScale, spacing; // spacing: of the samples in the cube, 0 along flat axes
-uniform vec3 scale, offset, from, beyond;
+uniform mat3 toTexture;
+uniform vec3 offset, from, beyond;
 uniform float weight;
 out vec4 result;
 float value(vec3 point) {
   vec3 place = latticeScale * point;
   bool isHere = !any(lessThan(place, from)) && !any(greaterThanEqual(place, beyond));
-  return isHere ? texel(offset + scale * place) : 0.0;
+  return isHere ? texel(offset + toTexture * place) : 0.0;
 }
 void main() {
   vec3 point = pointOfRay(texelFetch(places, ivec2(gl_FragCoord.xy), 0).r);
@@ -85,14 +93,22 @@ void main() {
   result = weight * vec4(value(point), mix(difference / span, vec3(0.0), equal(spacing, vec3(0.0))));
 })";
 
+std::string planeVertices() {
+  std::string text = kPlaneVertices;
+  text.insert(text.find('\n') + 1, fmt::format("#define kMost {}\n", hbOglTiles::kMost));
+  return text;
+}
+
 std::string fragments(hbOglSparseGrid::Filter filter, const char* rest, bool inPieces = false, const char* more = "") {
   return std::string("#version 330 core\n") + (inPieces ? "#define PIECES\n" : "") + more +
          (filter == hbOglSparseGrid::Filter::exact ? kExactFilter : kHardwareFilter) + rest;
 }
 
-/// One texture and what its samples are multiplied with.
+/// One texture and what its samples are multiplied with. Texture coordinate = offset + toTexture * place; the texture's
+/// first axis is the one with the fewest nodes, see axesByLength().
 struct Term {
-  glm::vec3 scale{0.0F}, offset{0.0F}, from{0.0F}, beyond{0.0F};
+  glm::mat3 toTexture{0.0F};
+  glm::vec3 offset{0.0F}, from{0.0F}, beyond{0.0F};
   glm::ivec3 texels{1}, nodes{1};
   float weight = 0.0F; ///< Of the coefficient, with its sign.
   bool isPiece = false;
@@ -100,15 +116,31 @@ struct Term {
   std::vector<float> values; ///< Of its texels, where it is handed over anew.
 };
 
-/// The texels of one piece of a component grid; those without a node are 0: the filter multiplies them with 0, which
-/// must not meet what is no number.
-std::vector<float> texelsOf(std::span<const float> values, const hbSize3& nodes, const hbTextureLayout::Piece& x,
-                            const hbTextureLayout::Piece& y, const hbTextureLayout::Piece& z) {
-  std::vector<float> texels(std::size_t(x.texels * y.texels * z.texels), 0.0F);
-  for (std::int64_t k = 0; k < z.nodes; ++k)
-    for (std::int64_t j = 0; j < y.nodes; ++j)
-      std::copy_n(values.begin() + x.firstNode + nodes.x * (y.firstNode + j + nodes.y * (z.firstNode + k)), x.nodes,
-                  texels.begin() + x.texels * (j + y.texels * k));
+using Pieces = std::array<const hbTextureLayout::Piece*, 3>;
+
+/// The axes of a grid from the shortest to the longest, which is the order in which a texture has them: the texels
+/// around a place then lie in one or two lines of a cache, where samples are farther apart than nodes.
+std::array<int, 3> axesByLength(const hbSize3& nodes) {
+  std::array<int, 3> axes{0, 1, 2};
+  std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return nodes[a] > nodes[b]; });
+  return axes;
+}
+
+/// The texels of one piece of a component grid, its axes in that order; those without a node are 0: the filter
+/// multiplies them with 0, which must not meet what is no number.
+std::vector<float> texelsOf(std::span<const float> values, const hbSize3& nodes, const Pieces& pieces,
+                            const std::array<int, 3>& axes) {
+  const auto& [fast, row, plane] = axes;
+  const auto piece = [&](int axis) -> const hbTextureLayout::Piece& { return *pieces[std::size_t(axis)]; };
+  const hbSize3 stride(1, nodes.x, nodes.x * nodes.y);
+  std::int64_t first = 0;
+  for (int d = 0; d < 3; ++d) first += stride[d] * piece(d).firstNode;
+  std::vector<float> texels(std::size_t(piece(fast).texels * piece(row).texels * piece(plane).texels), 0.0F);
+  for (std::int64_t k = 0; k < piece(plane).nodes; ++k)
+    for (std::int64_t j = 0; j < piece(row).nodes; ++j)
+      for (std::int64_t i = 0; i < piece(fast).nodes; ++i)
+        texels[std::size_t(i + piece(fast).texels * (j + piece(row).texels * k))] =
+            values[std::size_t(first + stride[fast] * i + stride[row] * j + stride[plane] * k)];
   return texels;
 }
 
@@ -178,8 +210,8 @@ hbOglSparseGrid::Parts::Parts(const hbGlContext& c, const hbCombinationSparseGri
     : context(c), gl(c.gl()), options(choice),
       order(choice.order.value_or(hb::isFixedPoint(choice.target) ? Order::positiveFirst : Order::interleaved)),
       mapping(grid, component, choice), latticeScale(grid.latticeScale()), quad(gl),
-      whole(gl, kPlaneVertices, fragments(choice.filter, kPlaneFragments)),
-      pieces(gl, kPlaneVertices, fragments(choice.filter, kPlaneFragments, true)),
+      whole(gl, planeVertices(), fragments(choice.filter, kPlaneFragments)),
+      pieces(gl, planeVertices(), fragments(choice.filter, kPlaneFragments, true)),
       differences(gl, hbGlQuad::kVertexShader,
                   fragments(choice.filter, kDifferencesFragments, false, hbOglRays::glsl())) {
   if (hb::isFixedPoint(options.target) && order == Order::interleaved)
@@ -212,26 +244,28 @@ std::vector<Term> hbOglSparseGrid::Parts::termsOf(const hbCombinationSparseGrid&
     std::transform(stored.begin(), stored.end(), values.begin(),
                    [&](float value) { return float((double(value) - mapping.low) / mapping.size); });
     const hbTextureLayout layout(one.levels, flat, options.form, context.maxTextureSize3d());
+    const std::array<int, 3> axes = axesByLength(one.nodes);
     for (const auto& z : layout.pieces(2))
       for (const auto& y : layout.pieces(1))
         for (const auto& x : layout.pieces(0)) {
           Term& term = list.emplace_back();
-          const std::array<const hbTextureLayout::Piece*, 3> axes{&x, &y, &z};
-          for (int d = 0; d < 3; ++d) {
-            const hbTextureLayout::Piece& piece = *axes[std::size_t(d)];
-            term.scale[d] = float(piece.scale);
-            term.offset[d] = float(piece.offset);
+          const Pieces all{&x, &y, &z};
+          for (int t = 0; t < 3; ++t) {
+            const int d = axes[std::size_t(t)];
+            const hbTextureLayout::Piece& piece = *all[std::size_t(d)];
+            term.toTexture[d][t] = float(piece.scale);
+            term.offset[t] = float(piece.offset);
+            term.texels[t] = int(piece.texels);
+            term.nodes[t] = int(piece.nodes);
             // A plane that two pieces share belongs to the second; beyond the first and the last one the texels at the
             // border go on.
             constexpr float kFar = 1e30F;
             term.from[d] = piece.from > 0.0 ? float(piece.from) : -kFar;
             term.beyond[d] = piece.to < 1.0 ? float(piece.to) : kFar;
-            term.texels[d] = int(piece.texels);
-            term.nodes[d] = int(piece.nodes);
           }
           term.weight = float(one.coefficient / mapping.divisor);
           term.isPiece = layout.textures() > 1;
-          term.values = texelsOf(values, one.nodes, x, y, z);
+          term.values = texelsOf(values, one.nodes, all, axes);
         }
   }
   return list;
@@ -267,7 +301,7 @@ void hbOglSparseGrid::Parts::upload(hbGlTexture& texture, const Term& term) cons
 
 void hbOglSparseGrid::Parts::set(const hbGlProgram& program, const Term& term) const {
   program.use();
-  program.set("scale", term.scale);
+  program.set("toTexture", term.toTexture);
   program.set("offset", term.offset);
   if (options.filter == Filter::exact) program.set("texels", glm::vec3(term.nodes));
   if (&program == &whole) return;
@@ -289,42 +323,44 @@ double hbOglSparseGrid::valueOf(double number) const {
   return parts_->mapping.low + parts_->mapping.size * parts_->mapping.divisor * number;
 }
 
-void hbOglSparseGrid::draw(std::span<const Plane> planes, std::span<const hbGlTarget* const> targets) const {
-  assert(planes.size() == targets.size() && !planes.empty());
+void hbOglSparseGrid::draw(std::span<const Plane> planes, const hbOglTiles& tiles, const hbGlTarget& target) const {
+  assert(!planes.empty() && int(planes.size()) <= tiles.count());
+  assert(target.width() == tiles.targetWidth() && target.height() == tiles.targetHeight());
   const hbGlFunctions& gl = parts_->gl;
-  for (const hbGlTarget* target : targets) target->clear(0.0F);
+  std::vector<glm::vec3> corners, rights, downs;
+  std::vector<glm::vec4> windows;
+  for (const Plane& plane : planes) {
+    corners.emplace_back(parts_->latticeScale * plane.corner);
+    rights.emplace_back(parts_->latticeScale * plane.right);
+    downs.emplace_back(parts_->latticeScale * plane.down);
+    windows.emplace_back(plane.window.x, plane.window.y, plane.window.width, plane.window.height);
+  }
+  for (const hbGlProgram* program : {&parts_->whole, &parts_->pieces}) {
+    program->use();
+    program->set("nodes", 0);
+    program->set("corner", corners);
+    program->set("right", rights);
+    program->set("down", downs);
+    program->set("window", windows);
+    program->set("tiles", glm::vec3(tiles.columns(), tiles.width(), tiles.height()));
+    program->set("target", glm::vec3(target.width(), target.height(), 0));
+  }
+  target.clear(0.0F);
   parts_->quad.bind();
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ONE);
   gl.BlendEquation(GL_FUNC_ADD);
-  const double width = targets[0]->width(), height = targets[0]->height();
-  const auto place = [&](const hbGlProgram& program, const Plane& plane) {
-    program.set("corner", glm::vec3(parts_->latticeScale * plane.corner));
-    program.set("right", glm::vec3(parts_->latticeScale * width * plane.right));
-    program.set("down", glm::vec3(parts_->latticeScale * height * plane.down));
-  };
-  for (const hbGlProgram* program : {&parts_->whole, &parts_->pieces}) {
-    program->use();
-    program->set("nodes", 0);
-    place(*program, planes[0]);
-  }
+  const bool isPaper = parts_->order == Order::positiveFirst;
   bool isSubtracting = false;
   parts_->forEachTerm([&](const Term& term) {
     const hbGlProgram& program = term.isPiece ? parts_->pieces : parts_->whole;
     parts_->set(program, term);
-    const bool isPaper = parts_->order == Order::positiveFirst;
     if (isPaper && term.weight < 0.0F && !isSubtracting) {
       gl.BlendEquation(GL_FUNC_REVERSE_SUBTRACT);
       isSubtracting = true;
     }
     program.set("weight", isPaper ? std::abs(term.weight) : term.weight);
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-      if (planes.size() > 1) {
-        targets[i]->bind();
-        place(program, planes[i]);
-      }
-      parts_->quad.draw();
-    }
+    parts_->quad.draw(int(planes.size()));
   });
   gl.Disable(GL_BLEND);
 }

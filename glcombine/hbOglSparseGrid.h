@@ -17,6 +17,7 @@
 class hbGlContext;
 class hbGlTarget;
 class hbOglRays;
+class hbOglTiles;
 
 /// A sparse grid combined by texture hardware: each component grid is a 3D texture, and for a plane of samples all of
 /// them are drawn over each other, blended by their coefficients.
@@ -54,10 +55,10 @@ public:
                   const Options& options);
   ~hbOglSparseGrid();
 
-  /// Blends the values on planes[i] into targets[i], all of one size, of Options::target, which are cleared first. What
-  /// is in a target stands for valueOf() it; of samples outside the cube it is anything finite. One draw for each
-  /// texture and plane; when streaming, textures that are not kept are handed over once a call.
-  void draw(std::span<const Plane> planes, std::span<const hbGlTarget* const> targets) const;
+  /// Blends the values on planes[i] into the i-th tile of the target, of Options::target, which is cleared first. What
+  /// is in a target stands for valueOf() it; of samples outside the planes' windows or the cube it is anything finite.
+  /// One draw for each texture; when streaming, textures that are not kept are handed over once a call.
+  void draw(std::span<const Plane> planes, const hbOglTiles& tiles, const hbGlTarget& target) const;
 
   /// Field value = valueOf(0) + number in a target * (valueOf(1) - valueOf(0)).
   double valueOf(double number) const;
@@ -71,7 +72,7 @@ public:
   std::int64_t textureBytes() const;
   /// Of those that are on the device all the time.
   std::int64_t residentBytes() const;
-  /// Textures, which is draws a plane.
+  /// Textures, which is blends a plane.
   std::int64_t textures() const;
 
 private:

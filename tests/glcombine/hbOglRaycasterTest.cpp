@@ -30,13 +30,15 @@ std::vector<Way> ways() {
                                                                 const hbOglRaycaster::Options& options) {
       list.push_back({name + how, kind, options});
     };
-    hbOglRaycaster::Options blend{Form::blend, false, {}};
+    hbOglRaycaster::Options blend{Form::blend};
     add("Blend", blend);
     blend.blend.filter = hbOglSparseGrid::Filter::exact;
     blend.blend.order = hbOglSparseGrid::Order::positiveFirst;
     blend.blend.form = hbTextureLayout::Form::padded;
     add("BlendExactlyPaddedPositiveFirst", blend);
-    add("BlendReadBack", {Form::blend, true, {}});
+    add("BlendReadBack", {Form::blend, true});
+    add("Fused", {Form::fused});
+    add("Seminodal", {Form::seminodal});
   }
   return list;
 }
