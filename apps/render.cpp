@@ -13,8 +13,8 @@
 
 #include "apps/MemoryMonitor.h"
 #include "apps/Program.h"
+#include "apps/Renderer.h"
 #include "apps/SceneOptions.h"
-#include "raycast/hbRaycaster.h"
 #include "raycast/hbSceneDefaults.h"
 #include "raycast/hbShearWarp.h"
 #include "scene/hbDisplay.h"
@@ -30,24 +30,8 @@ struct Options {
   app::InputOptions input;
   app::SceneOptions scene;
   std::string out, engine = "auto", saveScene;
-  std::optional<int> supersample;
+  app::Renderer::Options rendering;
   int repeat = 1;
-};
-
-/// Makes a scene's pictures: the ray caster, or shear-warp for the engine lattice.
-struct Renderer {
-  std::unique_ptr<const hbRaycaster> raycaster;
-  std::unique_ptr<const hbShearWarp> shearWarp;
-
-  const hbScene& scene() const { return raycaster ? raycaster->scene() : shearWarp->scene(); }
-  hbPicture render() const {
-    return raycaster ? raycaster->render(app::progress()) : shearWarp->render(app::progress());
-  }
-  double frameBytes() const { return shearWarp ? shearWarp->bytes() : 0.0; }
-  std::string sampling() const {
-    if (shearWarp) return "object-aligned";
-    return scene().sampling.kind == hbSampling::Kind::planewise ? "planewise" : "equidistant";
-  }
 };
 
 void writePicture(const hbPicture& picture, const hbScene& scene, const std::string& path) {
@@ -93,21 +77,15 @@ void run(const Options& options, const app::CommonOptions& common) {
     if (!scene.isoValue) scene.isoValue = histogram.otsuThreshold();
   }
   start = Clock::now();
-  Renderer renderer;
-  if (engine == hbEngine::lattice)
-    renderer.shearWarp = std::make_unique<const hbShearWarp>(input.sparse->grid, scene,
-                                                             hbShearWarp::Options{options.supersample.value_or(1)});
-  else
-    renderer.raycaster = std::make_unique<const hbRaycaster>(*field, scene);
+  const auto renderer = app::Renderer::create(engine, input, *field, scene, options.rendering, common, options.out);
   secondsBuild += seconds(start);
-  common.checkMemory(32.0 * scene.width * scene.height + renderer.frameBytes(), options.out);
 
   hbPicture picture;
   std::vector<double> frames;
   double secondsFirst = 0.0; // from the beginning on, the choice of an iso-value included
   for (int i = 0; i < options.repeat; ++i) {
     start = Clock::now();
-    picture = renderer.render();
+    picture = renderer->render();
     frames.push_back(seconds(start));
     if (i == 0) secondsFirst = seconds(begin);
   }
@@ -120,10 +98,10 @@ void run(const Options& options, const app::CommonOptions& common) {
     fmt::print(stderr, "hbvol: warning: NaN or infinite samples show in the picture; --nan-value V replaces them\n");
   picture.metadata["hbvol.engine"] = hb::engineName(engine);
   picture.metadata["hbvol.input"] = input.name;
-  if (!options.saveScene.empty()) hb::saveScene(renderer.scene(), options.saveScene);
-  writePicture(picture, renderer.scene(), options.out);
+  if (!options.saveScene.empty()) hb::saveScene(renderer->scene(), options.saveScene);
+  writePicture(picture, renderer->scene(), options.out);
 
-  const hbCamera& camera = *renderer.scene().camera;
+  const hbCamera& camera = *renderer->scene().camera;
   nlohmann::ordered_json stats{
       {"engine", hb::engineName(engine)},
       {"mode", hb::modeName(scene.mode)},
@@ -131,7 +109,7 @@ void run(const Options& options, const app::CommonOptions& common) {
       {"height", scene.height},
       {"samples", scene.sampling.planes(input.geometry(), camera)},
       {"step", scene.sampling.stepLength(input.geometry(), camera)},
-      {"sampling", renderer.sampling()},
+      {"sampling", nullptr},
       {"iso", scene.isoValue ? nlohmann::ordered_json(*scene.isoValue) : nlohmann::ordered_json()},
       {"seconds_load", secondsLoad},
       {"seconds_build", secondsBuild},
@@ -145,10 +123,7 @@ void run(const Options& options, const app::CommonOptions& common) {
       {"texture_bytes", 0},
       {"threads", common.threads > 0 ? common.threads : oneapi::tbb::info::default_concurrency()},
       {"gl_renderer", nullptr}};
-  if (renderer.shearWarp) {
-    stats["slices"] = renderer.shearWarp->slices();
-    stats["supersample"] = options.supersample.value_or(1);
-  }
+  renderer->describe(stats);
   fmt::print("{}: {} by {} in {:.3f} s a frame ({} samples over the depth), load {:.3f} s\n", options.out,
              hb::modeName(scene.mode), hb::engineName(engine), frames[frames.size() / 2], stats["samples"].get<int>(),
              secondsLoad);
@@ -160,8 +135,7 @@ app::Work prepare(const Options& options, const app::CommonOptions& common) {
     throw hbError(fmt::format("{}: expected a name that ends with .exr or .png", options.out));
   common.checkOutputs({options.out, options.saveScene});
   options.input.rawLayout();
-  if (hb::engineFromName(options.engine) != hbEngine::lattice && options.supersample)
-    throw hbError(fmt::format("--supersample: expected --engine lattice with it, found {}", options.engine));
+  app::Renderer::check(hb::engineFromName(options.engine), options.rendering);
   return [&] { run(options, common); };
 }
 
@@ -183,13 +157,16 @@ void addRender(CLI::App& program, const app::CommonOptions& common, app::Work& w
   command
       ->add_option(
           "--engine", options->engine,
-          "auto; full (plain volumes and fields; sparse grids extracted first); seminodal, direct, combination, or "
-          "lattice: shear-warp (sparse grids)")
+          "auto; full (plain volumes and fields; sparse grids extracted first); of sparse grids seminodal, direct, "
+          "combination, lattice (shear-warp) or opengl")
       ->group("Rendering")
       ->capture_default_str();
-  command->add_option("--supersample", options->supersample, "Lattice: rays a pixel along either axis (default 1)")
+  command
+      ->add_option("--supersample", options->rendering.supersample,
+                   "Lattice: rays a pixel along either axis (default 1)")
       ->check(CLI::Range(1, hbShearWarp::kMostSupersample))
       ->group("Rendering");
+  options->rendering.openGl.addTo(*command);
   command->add_option("--repeat", options->repeat, "Frames to time; the median is reported")
       ->check(CLI::Range(1, 10000))
       ->group("Rendering")

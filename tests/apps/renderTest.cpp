@@ -223,7 +223,7 @@ TEST_F(render, RefusesWhatItCannotDo) {
   expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "lattice", "--size", "400x400", "--supersample", "8",
                           "--memory", "10MB"},
                          1, "x.exr: needs about");
-  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "opengl"}, 1, "opengl");
+  expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", "fastest"}, 1, "fastest");
   expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--component", "1"}, 1, "--component");
   for (const char* size :
        {"0x5", "5x0", "-5x5", "5", "axb", "5x5x5", "99999x99999", "16385x1", "99999999999999999999x1"})
