@@ -143,6 +143,7 @@ std::vector<std::vector<hbPlaneRays::Plane>> lots(int level, const hbOglTiles& t
 }
 
 const hbOglTiles kTiles(200, 200, 128, 8192);
+static_assert(hbOglTiles::kMost == 8); // in the shader below
 
 /// Blending alone, all planes into one target.
 void draws(benchmark::State& state) {
@@ -162,8 +163,8 @@ void drawCubes(benchmark::State& state, std::size_t count, int side) {
   const int level = int(state.range(0));
   const hbGlFunctions& gl = context().gl();
   const hbGlProgram program(gl, R"(#version 330 core
-uniform vec3 corner[48], right[48], down[48];
-uniform vec4 window[48];
+uniform vec3 corner[8], right[8], down[8];
+uniform vec4 window[8];
 uniform vec3 target;
 out vec3 place;
 void main() {

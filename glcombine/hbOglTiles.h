@@ -1,22 +1,24 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 /// How some planes of a picture lie side by side in one target, so that one draw goes into all of them: row by row.
 class hbOglTiles {
 public:
-  /// At a time: what vertex shaders have room to be told of (four of 256 vectors each).
-  static constexpr int kMost = 48;
+  /// At a time. Coordinates are interpolated across the whole target, and rounded as much more as it is larger than a
+  /// tile; more tiles are hardly faster.
+  static constexpr int kMost = 8;
 
-  /// As many tiles of width x height, `planes` at the most, as make a target of a moderate size (16 MB of floats);
-  /// `mostTexels`: the largest side of a target, at least that of one tile.
+  /// As many tiles of width x height, `planes` at the most, as make a target of a moderate size (16 MB of floats),
+  /// about a square. `mostTexels`: the largest side of a target, at least that of one tile.
   hbOglTiles(int width, int height, int planes, int mostTexels) : width_(width), height_(height) {
     constexpr double kPixels = 1 << 22;
     const double fit = kPixels / (double(width) * double(height));
     const int wanted = std::clamp(int(std::min(fit, double(kMost))), 1, std::max(planes, 1));
-    const int side = std::min(mostTexels, 8192);
-    columns_ = std::clamp(side / width, 1, wanted);
-    rows_ = std::clamp(side / height, 1, (wanted + columns_ - 1) / columns_);
+    const double side = std::sqrt(double(wanted) * width * height) + width;
+    columns_ = std::clamp(int(std::min(side, double(mostTexels))) / width, 1, wanted);
+    rows_ = std::clamp(mostTexels / height, 1, (wanted + columns_ - 1) / columns_);
     count_ = std::min(wanted, columns_ * rows_);
   }
 

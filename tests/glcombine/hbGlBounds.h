@@ -34,9 +34,10 @@ public:
 
   /// From exact values, in 32-bit floats throughout. Values: as the combination engine's (18 roundings, see
   /// hbTestSets::combinationBound), with every addition in 32 bits, each of a partial sum up to the sum of the weights.
-  /// Coordinates: 8 roundings of the corners, their interpolation, scale and offset, and the filter's texel.
+  /// Coordinates: 8 roundings of the corners, their interpolation across up to three tiles, scale and offset, and the
+  /// filter's texel.
   double floats() const {
-    return (18.0 + terms_) * 0x1p-24 * weights_ * largest_ + 8.0 * 0x1p-24 * reach_ * steepness_;
+    return (18.0 + terms_) * 0x1p-24 * weights_ * largest_ + 8.0 * 0x1p-24 * 3.0 * reach_ * steepness_;
   }
   /// Between a drawn value and the combination engine's.
   double values() const { return 2.0 * floats(); }

@@ -21,7 +21,7 @@ RC_GTEST_PROP(hbOglTiles, TilesLieApartWithinTheTarget, ()) {
 
 TEST(hbOglTiles, SmallPicturesShareATargetAndLargeOnesDoNot) {
   EXPECT_EQ(hbOglTiles(200, 200, 128, 16384).count(), hbOglTiles::kMost);
-  EXPECT_EQ(hbOglTiles(512, 512, 128, 16384).count(), 16);
+  EXPECT_EQ(hbOglTiles(1024, 1024, 128, 16384).count(), 4);
   EXPECT_EQ(hbOglTiles(4096, 4096, 128, 16384).count(), 1);
   EXPECT_EQ(hbOglTiles(16384, 16384, 128, 16384).count(), 1);
 }
