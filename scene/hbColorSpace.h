@@ -25,4 +25,19 @@ glm::dvec3 xyzToLuv(const glm::dvec3& xyz);
 glm::dvec3 xyzToLab(const glm::dvec3& xyz);
 glm::dvec3 labToXyz(const glm::dvec3& lab);
 
+/// Of coded sRGB: hue in [0,1] from red over green and blue, saturation and value in [0,1]. Grays have hue 0.
+glm::dvec3 rgbToHsv(const glm::dvec3& rgb);
+glm::dvec3 hsvToRgb(const glm::dvec3& hsv);
+
+/// L*a*b* in polar form (Moreland 2009, section 4): magnitude from black, angle from the gray axis, hue; angles in
+/// radians. Black and grays have hue 0.
+glm::dvec3 labToMsh(const glm::dvec3& lab);
+glm::dvec3 mshToLab(const glm::dvec3& msh);
+
+/// Moreland's diverging interpolation from `a` at t = 0 to `b` at t = 1, in Msh: over white where both are saturated
+/// and of unlike hue, and with a hue for an unsaturated end that makes the way to the other one look straight. Hue goes
+/// the short way round. K. Moreland, "Diverging Color Maps for Scientific Visualization", ISVC 2009, with the
+/// thresholds of his code in VTK.
+glm::dvec3 mixMsh(glm::dvec3 a, glm::dvec3 b, double t);
+
 } // namespace hb

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
 #include "scene/hbColorSpace.h"
 #include "volume/hbError.h"
@@ -32,36 +31,13 @@ glm::dvec3 cubehelix(double t) {
   return glm::clamp(rgb, glm::dvec3(0.0), glm::dvec3(1.0));
 }
 
-/// Moreland 2009, section 4: L*a*b* in polar form. Distance from black, angle from the gray axis, hue.
-struct Msh {
-  double m, s, h;
-};
-
-Msh mshOfSrgb8(const glm::dvec3& rgb8) {
-  const glm::dvec3 lab = hb::xyzToLab(hb::linearToXyz(hb::srgbToLinear(rgb8 / 255.0)));
-  const double m = glm::length(lab);
-  return {m, std::acos(lab.x / m), std::atan2(lab.z, lab.y)};
-}
-
-/// The hue an unsaturated end of magnitude `m` gets, so that the way to the saturated one looks straight (Moreland's
-/// AdjustHue).
-double adjustedHue(const Msh& saturated, double m) {
-  if (saturated.m >= m) return saturated.h;
-  const double spin =
-      saturated.s * std::sqrt(m * m - saturated.m * saturated.m) / (saturated.m * std::sin(saturated.s));
-  return saturated.h > -std::numbers::pi / 3.0 ? saturated.h + spin : saturated.h - spin;
+glm::dvec3 mshOfSrgb8(const glm::dvec3& rgb8) {
+  return hb::labToMsh(hb::xyzToLab(hb::linearToXyz(hb::srgbToLinear(rgb8 / 255.0))));
 }
 
 glm::dvec3 coolwarm(double t) {
-  static const Msh kCool = mshOfSrgb8({59, 76, 192}), kWarm = mshOfSrgb8({180, 4, 38});
-  // The two ends are saturated and of unlike hue, so the map passes through white.
-  const double white = std::max({kCool.m, kWarm.m, 88.0});
-  const Msh& end = t < 0.5 ? kCool : kWarm;
-  const double toEnd = std::abs(2.0 * t - 1.0);
-  const double m = white + toEnd * (end.m - white), s = toEnd * end.s;
-  const double whiteHue = adjustedHue(end, white);
-  const double h = whiteHue + toEnd * (end.h - whiteHue);
-  const glm::dvec3 lab{m * std::cos(s), m * std::sin(s) * std::cos(h), m * std::sin(s) * std::sin(h)};
+  static const glm::dvec3 kCool = mshOfSrgb8({59, 76, 192}), kWarm = mshOfSrgb8({180, 4, 38});
+  const glm::dvec3 lab = hb::mshToLab(hb::mixMsh(kCool, kWarm, t));
   const glm::dvec3 rgb = hb::linearToSrgb(hb::xyzToLinear(hb::labToXyz(lab)));
   return glm::clamp(rgb, glm::dvec3(0.0), glm::dvec3(1.0));
 }

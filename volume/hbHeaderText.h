@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-/// Small tools for text headers. Private to the volume reader.
+/// Small tools for text headers and tables. Not installed.
 namespace hb {
 
 std::string_view trimmed(std::string_view text);

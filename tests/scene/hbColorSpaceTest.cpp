@@ -64,3 +64,46 @@ TEST(hbColorSpace, LabAndXyzRoundTrip) {
     EXPECT_LT(glm::distance(hb::xyzToLinear(xyz), rgb), 64 * 0x1p-53);
   }
 }
+
+TEST(hbColorSpace, HsvOfKnownColoursAndRoundTrip) {
+  EXPECT_EQ(hb::rgbToHsv({1, 0, 0}), glm::dvec3(0, 1, 1));
+  EXPECT_EQ(hb::rgbToHsv({0, 0.5, 0}), glm::dvec3(2.0 / 6.0, 1, 0.5));
+  EXPECT_EQ(hb::rgbToHsv({0, 1, 1}), glm::dvec3(0.5, 1, 1));
+  EXPECT_EQ(hb::rgbToHsv({1, 0, 1}), glm::dvec3(5.0 / 6.0, 1, 1));
+  EXPECT_EQ(hb::rgbToHsv({0.25, 0.25, 0.25}), glm::dvec3(0, 0, 0.25));
+  EXPECT_EQ(hb::rgbToHsv({0, 0, 0}), glm::dvec3(0));
+  for (int i = 0; i < 9 * 9 * 9; ++i) {
+    const glm::dvec3 rgb = glm::dvec3(i % 9, i / 9 % 9, i / 81) / 8.0;
+    const glm::dvec3 hsv = hb::rgbToHsv(rgb);
+    EXPECT_GE(hsv.x, 0.0);
+    EXPECT_LE(hsv.x, 1.0);
+    // Six times a hue below 1 has an error of 6 half units of 2^-53, and a few more roundings of numbers up to 6.
+    EXPECT_LT(glm::distance(hb::hsvToRgb(hsv), rgb), 32 * 0x1p-53) << i;
+  }
+}
+
+TEST(hbColorSpace, MshAndLabRoundTrip) {
+  for (const glm::dvec3 rgb : {glm::dvec3(0.9, 0.1, 0.4), glm::dvec3(0.2, 0.3, 0.7), glm::dvec3(0.1, 0.9, 0.1)}) {
+    const glm::dvec3 lab = labOfSrgb(rgb);
+    // An angle's cosine c is known to half a unit of 1; the angle then to that over its sine, here above 0.1.
+    EXPECT_LT(glm::distance(hb::mshToLab(hb::labToMsh(lab)), lab), glm::length(lab) * 40 * 0x1p-53);
+  }
+  EXPECT_EQ(hb::labToMsh(glm::dvec3(0)), glm::dvec3(0));
+  EXPECT_EQ(hb::labToMsh({50, 0, 0}), glm::dvec3(50, 0, 0));
+}
+
+TEST(hbColorSpace, MshMixesOverWhiteOrTheShortWayRound) {
+  const glm::dvec3 red{80, 1, 0.5}, blue{60, 1.2, -1.5};
+  EXPECT_EQ(hb::mixMsh(red, blue, 0.0), red);
+  EXPECT_EQ(hb::mixMsh(red, blue, 1.0), blue);
+  EXPECT_EQ(hb::mixMsh(red, blue, 0.5).x, 88.0);
+  EXPECT_EQ(hb::mixMsh(red, blue, 0.5).y, 0.0);
+  // Hues on the two sides of pi, 0.2 apart: the middle lies at pi, either way round, and no white comes between.
+  for (const double sign : {1.0, -1.0}) {
+    const glm::dvec3 middle = hb::mixMsh({70, 1, sign * 3.0}, {70, 1, -sign * (6.283185307179586 - 3.2)}, 0.5);
+    EXPECT_NEAR(middle.y, 1.0, 4 * 0x1p-53);
+    EXPECT_NEAR(middle.z, sign * 3.1, 32 * 0x1p-53);
+  }
+  // A gray end takes a hue from the other one, up to the adjustment where that one is darker.
+  EXPECT_EQ(hb::mixMsh({40, 0, 0}, {80, 1, 0.5}, 0.25).z, 0.5);
+}
