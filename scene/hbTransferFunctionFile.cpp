@@ -94,11 +94,13 @@ nlohmann::ordered_json jsonOf(const hbTransferFunction& function) {
   if (d.unitLength) json["ScalarOpacityUnitDistance"] = *d.unitLength;
   if (d.outside != hbTransferFunction::Outside::clamp) json["OpacityOutside"] = kOutside[std::size_t(d.outside)];
   if (d.relative) json["Relative"] = true;
-  auto &colors = json["RGBPoints"], &opacities = json["Points"];
+  auto colors = nlohmann::ordered_json::array(), opacities = colors;
   for (const auto& p : d.colors)
     for (const double n : {p.value, p.rgb.x, p.rgb.y, p.rgb.z}) colors.push_back(n);
   for (const auto& p : d.opacities)
     for (const double n : {p.value, p.opacity, p.midpoint, p.sharpness}) opacities.push_back(n);
+  json["RGBPoints"] = std::move(colors);
+  json["Points"] = std::move(opacities);
   return json;
 }
 

@@ -236,6 +236,7 @@ TEST(hbTransferFunction, RescalingMovesEverythingAlike) {
     }
   }
   const hbTransferFunction f = hbTransferFunction::preset("fire");
+  EXPECT_EQ(f.rescaled(-5.6, -0.9).range(), std::pair(-5.6, -0.9)); // -5.6 + (-0.9 - -5.6) is less than -0.9
   for (const auto& [lo, hi] :
        {std::pair(1.0, 1.0), std::pair(2.0, 1.0), std::pair(0.0, kNaN), std::pair(-kInfinity, 0.0)})
     EXPECT_THROW(f.rescaled(lo, hi), hbError);
