@@ -75,8 +75,9 @@ double hbOpacityRange::maximum(double lo, double hi) const {
   double result = std::max(opacity(first, lo), opacity(end, hi));
   if (end < breaks_.size() && breaks_[end].value == hi) ++end;
   if (first < end) {
-    const std::size_t k = std::size_t(std::bit_width(end - first)) - 1;
-    result = std::max({result, maxima_[k][first], maxima_[k][end - (std::size_t(1) << k)]});
+    const std::size_t length = std::bit_floor(end - first);
+    const auto& maxima = maxima_[std::size_t(std::countr_zero(length))];
+    result = std::max({result, maxima[first], maxima[end - length]});
   }
   return result;
 }
