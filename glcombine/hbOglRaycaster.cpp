@@ -132,6 +132,7 @@ struct hbOglRaycaster::Parts {
       for (float& number : numbers) number = float(zero + one * double(number));
       return rays.mip(numbers);
     case hbMode::iso:
+    case hbMode::dvr:
       break;
     }
     return rays.iso(surfaces(deviceRays, found, numbers, zero));

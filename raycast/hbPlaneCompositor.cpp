@@ -39,6 +39,8 @@ void hbPlaneCompositor::add(int index, std::span<const float> values) {
       }
       greatest_[i] = value;
       break;
+    case hbMode::dvr: // hbPlaneRays refuses it
+      break;
     }
   }
 }
@@ -50,6 +52,7 @@ hbPicture hbPlaneCompositor::finish() const {
   case hbMode::mip:
     return rays_.mip(greatest_);
   case hbMode::iso:
+  case hbMode::dvr:
     break;
   }
   return rays_.iso(shaded());

@@ -11,8 +11,11 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "raycast/hbEmissionAbsorption.h"
 #include "raycast/hbRaySegment.h"
 #include "raycast/hbSurfaceShader.h"
+#include "scene/hbColorSpace.h"
+#include "scene/hbTransferTable.h"
 #include "volume/hbError.h"
 #include "volume/hbParallel.h"
 
@@ -27,6 +30,10 @@ constexpr double kMostSamples = 16.0 * hbSampling::kMaxSamples;
 struct RaySamples {
   double first = 0.0, step = 0.0, weight = 0.0;
   std::int64_t count = 0;
+  double firstWeight = 0.0, lastWeight = 0.0; ///< What the ends stand for: with them, weights add up to the ray.
+
+  /// The length that sample i stands for where nothing may be left out.
+  double share(std::int64_t i) const { return i == 0 ? firstWeight : i + 1 == count ? lastWeight : weight; }
 };
 
 /// A crossing of the iso-value: above and below at the ends of [a, b].
@@ -50,6 +57,8 @@ struct Frame {
   float iso;
 
   std::vector<float>*y, *a, *z = nullptr, *nx = nullptr, *ny = nullptr, *nz = nullptr, *value = nullptr;
+  std::array<std::vector<float>*, 3> rgb{};
+  std::optional<hbTransferTable> matter;
 
   Frame(const hbField& f, const hbScene& s, hbPicture& picture)
       : field(f), scene(s), camera(*s.camera), map(f.valueMap()), worldToCube(glm::inverse(f.geometry().cubeToWorld())),
@@ -57,6 +66,10 @@ struct Frame {
         iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F) {
     y = &picture.add("Y");
     a = &picture.add("A");
+    if (s.mode == hbMode::dvr) {
+      for (std::size_t c = 0; c < 3; ++c) rgb[c] = &picture.add(std::string(1, "RGB"[c]));
+      matter.emplace(*s.transfer);
+    }
     if (s.mode != hbMode::iso) return;
     z = &picture.add("Z", std::numeric_limits<float>::infinity());
     nx = &picture.add("N.X");
@@ -71,7 +84,7 @@ struct Frame {
     const double length = segment.length() / count;
     // Iso looks at both ends of every step, integrals and maxima at the midpoints.
     if (scene.mode == hbMode::iso) return {segment.enter, length, length, std::int64_t(count) + 1};
-    return {segment.enter + 0.5 * length, length, length, std::int64_t(count)};
+    return {segment.enter + 0.5 * length, length, length, std::int64_t(count), length, length};
   }
 
   RaySamples onPlanes(const hbRay& ray, const hbRaySegment& segment) const {
@@ -85,8 +98,13 @@ struct Frame {
     const double first = std::max(0.0, std::ceil(plane(segment.enter))),
                  last = std::min(planes - 1.0, std::floor(plane(segment.leave)));
     if (last < first) return {};
-    return {(extent.near + (first + 0.5) * step - start) / cosine, step / cosine, step / cosine,
-            std::int64_t(last - first) + 1};
+    RaySamples samples{(extent.near + (first + 0.5) * step - start) / cosine, step / cosine, step / cosine,
+                       std::int64_t(last - first) + 1};
+    // The ends stand for what is left of the ray in the volume, up to the middle between two planes.
+    const double half = 0.5 * samples.step, end = samples.first + double(samples.count - 1) * samples.step;
+    samples.firstWeight = samples.count == 1 ? segment.length() : samples.first + half - segment.enter;
+    samples.lastWeight = samples.count == 1 ? segment.length() : segment.leave - (end - half);
+    return samples;
   }
 };
 
@@ -108,6 +126,8 @@ public:
       return maximum(*segment, samples, at);
     case hbMode::iso:
       return findCrossing(ray, *segment, samples, at);
+    case hbMode::dvr:
+      return composite(*segment, samples, at);
     }
   }
 
@@ -153,6 +173,17 @@ private:
     if (samples.count == 0) return; // between two planes
     (*frame_.y)[at] = float(frame_.map.toTrue(greatest));
     (*frame_.a)[at] = 1.0F;
+  }
+
+  void composite(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
+    hbEmissionAbsorption light;
+    march(segment, samples, [&](std::int64_t i, float value) {
+      light.add(frame_.matter->at(float(frame_.map.toTrue(value))), samples.share(i));
+      return !light.isOpaque();
+    });
+    for (std::size_t c = 0; c < 3; ++c) (*frame_.rgb[c])[at] = float(light.colour()[int(c)]);
+    (*frame_.y)[at] = float(hb::linearToXyz(light.colour()).y);
+    (*frame_.a)[at] = float(light.opacity());
   }
 
   void findCrossing(const hbRay& ray, const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
@@ -228,6 +259,8 @@ hbRaycaster::hbRaycaster(const hbField& field, const hbScene& scene) : field_(fi
   if (scene_.component < 0 || scene_.component >= field.components())
     throw hbError(fmt::format("component: expected 0 to {}, found {}", field.components() - 1, scene_.component));
   if (scene_.mode == hbMode::iso && !scene_.isoValue) throw hbError("iso: expected an iso-value");
+  if (scene_.mode == hbMode::dvr && !(scene_.transfer && scene_.transfer->definition().unitLength))
+    throw hbError("dvr: expected a transfer function that states its unit length");
 }
 
 hbPicture hbRaycaster::render(hbProgress& progress) const {

@@ -17,7 +17,8 @@
 /// X-ray sums values times weights in 64 bits; MIP takes the greatest sample. An iso-surface is where a value and the
 /// next one lie on different sides of the iso-value (a value equal to it counts as above); two crossings between two
 /// samples are missed. Equidistant crossings are refined, planewise ones interpolated linearly between the planes, as
-/// the OpenGL path can do no better.
+/// the OpenGL path can do no better. DVR composites samples front to back by hbEmissionAbsorption, each for its share
+/// of the ray, and ends where nothing behind would show.
 class hbRaycaster {
 public:
   /// Iso-surface: so many bisections bracket the crossing to kIsoBracket of a step; then it is placed by linear
@@ -26,14 +27,15 @@ public:
   static constexpr double kIsoBracket = 1.0 / (1 << kIsoRounds);
 
   /// Keeps a reference to `field`. Throws hbError for an invalid scene, a component the field lacks, an iso mode
-  /// without an iso-value. `scene.magnitude` is not looked at: pass an hbMagnitudeField.
+  /// without an iso-value, a DVR mode without a transfer function that states its unit length. `scene.magnitude` is not
+  /// looked at: pass an hbMagnitudeField.
   hbRaycaster(const hbField& field, const hbScene& scene);
 
   /// One frame. Channels: "Y" (X-ray: value x world length; MIP: value; iso: shade in [0,1]) and "A" (1 where the ray
   /// meets the volume, or the surface); iso also "Z" (distance along the view axis; infinite where there is no
   /// surface), "N.X/Y/Z" (world normal towards the viewer; its gradient is the central difference over one sample
-  /// spacing) and "value" (the field at the crossing). All in true data values. Metadata: the scene, with the camera in
-  /// full.
+  /// spacing) and "value" (the field at the crossing). DVR: "R", "G", "B" in linear light, multiplied by the opacity
+  /// "A", and their luminance "Y". All in true data values. Metadata: the scene, with the camera in full.
   ///
   /// Threads take tiles; the picture does not depend on their number. Throws hbCancelled.
   hbPicture render(hbProgress& progress = hbProgress::none()) const;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "volume/hbError.h"
 #include "volume/hbParallel.h"
 
 hbHistogram hb::fieldHistogram(const hbField& field, int component, hbProgress& progress) {
@@ -31,4 +34,33 @@ hbHistogram hb::fieldHistogram(const hbField& field, int component, hbProgress& 
   histogram.deviation *= map.scale;
   histogram.fineStep *= map.scale;
   return histogram;
+}
+
+std::pair<double, double> hb::shownRange(const hbHistogram& histogram) {
+  double lo = histogram.percentile(1.0 - kMostShown), hi = histogram.percentile(kMostShown);
+  if (!(lo < hi)) lo = histogram.min, hi = histogram.max;
+  const double width = (histogram.max - histogram.min) / double(histogram.bins.size());
+  const auto fullest = std::max_element(histogram.bins.begin(), histogram.bins.end());
+  const double usual = histogram.min + (double(fullest - histogram.bins.begin()) + 0.5) * width;
+  constexpr double kLow = 0.25;
+  if (usual > lo && usual < lo + kLow * (hi - lo)) lo = usual;
+  return {lo, hi};
+}
+
+hbTransferFunction hb::transferFor(const std::optional<hbTransferFunction>& asked, const hbHistogram& histogram,
+                                   const hbGeometry& geometry) {
+  hbTransferFunction function = asked ? *asked : hbTransferFunction::preset("density");
+  if (function.definition().relative) {
+    auto [lo, hi] = shownRange(histogram);
+    if (function.definition().colorSpace == hbTransferFunction::ColorSpace::diverging && lo < 0.0 && hi > 0.0) {
+      hi = std::max(-lo, hi);
+      lo = -hi;
+    }
+    if (!(lo < hi))
+      throw hbError(fmt::format("transfer function: expected values with a range, found {} everywhere; state a range",
+                                histogram.min));
+    function = function.rescaled(lo, hi);
+  }
+  if (function.definition().unitLength) return function;
+  return function.withUnitLength(hbTransferFunction::defaultUnitLength(geometry));
 }

@@ -130,10 +130,11 @@ hbScene sceneOf(const hbPicture& picture, const std::string& name) {
                                       : hb::sceneFromJson(at->second, fmt::format("{}: {}", name, at->first));
 }
 
-/// What is displayed of the picture when `channel` takes the place of its "Y".
+/// What is displayed of the picture when `channel` takes the place of its "Y"; with its light where that is "Y".
 hbPicture asY(const hbPicture& picture, const std::string& channel) {
   hbPicture result{picture.width, picture.height, {{"Y", *picture.find(channel)}}, {}};
-  if (const auto* alpha = picture.find("A")) result.channels["A"] = *alpha;
+  for (const char* name : channel == "Y" ? std::vector{"R", "G", "B", "A"} : std::vector{"A"})
+    if (const auto* values = picture.find(name)) result.channels[name] = *values;
   return result;
 }
 

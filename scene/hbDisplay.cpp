@@ -1,6 +1,7 @@
 #include "scene/hbDisplay.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -25,9 +26,25 @@ void put(hbImage8& image, std::size_t pixel, const glm::dvec3& coded) {
   for (int c = 0; c < 3; ++c) image.rgb[3 * pixel + std::size_t(c)] = toByte(coded[c]);
 }
 
-hbImage8 background(int width, int height) {
-  return {width, height,
-          std::vector<std::uint8_t>(3 * std::size_t(width) * std::size_t(height), toByte(kBackground.x))};
+hbImage8 background(int width, int height, const glm::dvec3& colour = kBackground) {
+  hbImage8 image{width, height, std::vector<std::uint8_t>(3 * std::size_t(width) * std::size_t(height))};
+  for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) put(image, i, colour);
+  return image;
+}
+
+/// Red, green, blue and opacity, each nullptr where the picture has none.
+std::array<const std::vector<float>*, 4> lightOf(const hbPicture& picture) {
+  return {picture.find("R"), picture.find("G"), picture.find("B"), picture.find("A")};
+}
+
+/// Premultiplied linear light over the background.
+hbImage8 compositedImage(const hbPicture& picture, const glm::dvec3& backdrop) {
+  const auto [r, g, b, a] = lightOf(picture);
+  const glm::dvec3 behind = hb::srgbToLinear(backdrop);
+  hbImage8 image = background(picture.width, picture.height);
+  for (std::size_t i = 0; i < a->size(); ++i)
+    put(image, i, hb::linearToSrgb(glm::dvec3((*r)[i], (*g)[i], (*b)[i]) + (1.0 - double((*a)[i])) * behind));
+  return image;
 }
 
 const std::vector<float>& checkedY(const hbPicture& picture) {
@@ -108,10 +125,14 @@ hbImage8 hb::displayImage(const hbPicture& picture, const hbScene& scene) {
 
 hbImage8 hb::displayImage(const hbPicture& picture, const hbScene& scene, const std::pair<double, double>& window) {
   const auto& values = checkedY(picture);
+  const glm::dvec3 backdrop = scene.background.value_or(kBackground);
+  const auto light = lightOf(picture);
+  if (scene.mode == hbMode::dvr && std::find(light.begin(), light.end(), nullptr) == light.end())
+    return compositedImage(picture, backdrop);
   const auto* alpha = picture.find("A");
   const hbColormap map = mapOf(scene);
-  const glm::dvec3 behind = srgbToLinear(kBackground);
-  hbImage8 image = background(picture.width, picture.height);
+  const glm::dvec3 behind = srgbToLinear(backdrop);
+  hbImage8 image = background(picture.width, picture.height, backdrop);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double a = coverage(values, alpha, i);
     if (a == 0.0) continue;

@@ -9,7 +9,7 @@
 #include "scene/hbScene.h"
 
 /// From measured pictures to images to be looked at. Colours are mixed in linear light and stored as sRGB; what the
-/// picture does not cover (channel "A" is 0 there, or "Y" is NaN) shows a dark neutral background. A picture without
+/// picture does not cover (channel "A" is 0 there, or "Y" is NaN) shows the scene's background. A picture without
 /// "A" is covered everywhere. All functions throw hbError for pictures that are not valid or lack "Y".
 namespace hb {
 
@@ -20,7 +20,8 @@ std::pair<double, double> displayWindow(const hbPicture& picture, const hbScene&
 
 /// X-ray and MIP: "Y" through displayWindow() and the scene's colour map (by default gray for X-ray, heat for MIP).
 /// Iso: "Y", the shade in linear light, times a warm neutral surface colour. Both over the background by "A". Values
-/// outside the window get the colours of its ends.
+/// outside the window get the colours of its ends. DVR: "R", "G", "B" in linear light, multiplied by the opacity "A"
+/// already, over the background; where one of them is missing, as X-ray.
 hbImage8 displayImage(const hbPicture& picture, const hbScene& scene);
 
 /// The same with this window instead of displayWindow(), first <= second: where they are equal, values up to it show

@@ -7,7 +7,8 @@
 enum class hbMode : std::uint8_t {
   xray, ///< The line integral of the field, in value x world length.
   mip,  ///< The greatest sample.
-  iso   ///< The first crossing of the iso-value, with Lambertian shading.
+  iso,  ///< The first crossing of the iso-value, with Lambertian shading.
+  dvr   ///< Emission and absorption by the transfer function.
 };
 
 namespace hb {

@@ -8,7 +8,8 @@
 ///
 /// Channels are row-major, the top row first: pixel (x, y) is element x + width * y. Those the renderers use:
 /// "Y" (X-ray: the line integral, MIP: the greatest value, iso: the shade in [0,1]), "A" (coverage in [0,1]), "Z"
-/// (depth of the iso-surface along the view axis), "N.X", "N.Y", "N.Z" (its world normal), "value".
+/// (depth of the iso-surface along the view axis), "N.X", "N.Y", "N.Z" (its world normal), "value"; DVR: "R", "G", "B"
+/// in linear light, multiplied by the opacity "A", and their luminance "Y".
 struct hbPicture {
   /// Metadata keys begin with kMetadataPrefix; the scene is kept as JSON under kSceneKey.
   static constexpr const char* kMetadataPrefix = "hbvol.";

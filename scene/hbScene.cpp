@@ -14,6 +14,7 @@
 #include "scene/hbColormap.h"
 #include "scene/hbJsonReader.h"
 #include "scene/hbTextFile.h"
+#include "scene/hbTransferFunctionFile.h"
 #include "volume/hbError.h"
 
 using Json = nlohmann::json;
@@ -73,6 +74,10 @@ void hbScene::validate(const std::string& what) const {
   if (window && !(std::isfinite(window->first) && std::isfinite(window->second) && window->first < window->second))
     throw hbError(fmt::format("{}: window: expected two finite numbers, the first less than the second, found {}, {}",
                               what, window->first, window->second));
+  if (background)
+    for (int c = 0; c < 3; ++c)
+      if (!((*background)[c] >= 0.0 && (*background)[c] <= 1.0))
+        throw hbError(fmt::format("{}: background: expected channels in [0,1], found {}", what, (*background)[c]));
   const auto maps = hbColormap::names();
   if (!colormap.empty() && std::find(maps.begin(), maps.end(), colormap) == maps.end())
     throw hbError(fmt::format("{}: colormap: expected one of {}, found '{}'", what, fmt::join(maps, ", "),
@@ -96,6 +101,8 @@ std::string hb::toJson(const hbScene& scene) {
   if (scene.isoValue) json["isoValue"] = *scene.isoValue;
   if (scene.window) json["window"] = {scene.window->first, scene.window->second};
   if (!scene.colormap.empty()) json["colormap"] = scene.colormap;
+  if (scene.transfer) json["transfer"] = nlohmann::ordered_json::parse(toJson({&*scene.transfer, 1}))[0];
+  if (scene.background) json["background"] = vector(*scene.background);
   json["component"] = scene.component;
   json["magnitude"] = scene.magnitude;
   json["width"] = scene.width;
@@ -106,8 +113,8 @@ std::string hb::toJson(const hbScene& scene) {
 hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
   const Json json = hb::parseJson(text, name);
   const hbJsonReader reader(json, name,
-                            {"version", "mode", "camera", "sampling", "isoValue", "window", "colormap", "component",
-                             "magnitude", "width", "height"});
+                            {"version", "mode", "camera", "sampling", "isoValue", "window", "colormap", "transfer",
+                             "background", "component", "magnitude", "width", "height"});
   int version = 0;
   reader.require("version");
   reader.read("version", version);
@@ -116,8 +123,8 @@ hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
   hbScene scene;
   std::string mode(modeName(scene.mode));
   reader.read("mode", mode);
-  if (mode != "xray" && mode != "mip" && mode != "iso")
-    throw reader.wrong("mode", "xray, mip or iso", *reader.find("mode"));
+  if (mode != "xray" && mode != "mip" && mode != "iso" && mode != "dvr")
+    throw reader.wrong("mode", "xray, mip, iso or dvr", *reader.find("mode"));
   scene.mode = modeFromName(mode);
   if (const Json* camera = reader.find("camera")) scene.camera = cameraFromJson(*camera, name + ": camera");
   if (const Json* sampling = reader.find("sampling")) scene.sampling = samplingFromJson(*sampling, name + ": sampling");
@@ -127,6 +134,11 @@ hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
     scene.window.emplace(reader.number("window", (*window)[0]), reader.number("window", (*window)[1]));
   }
   reader.read("colormap", scene.colormap);
+  if (const Json* transfer = reader.find("transfer")) {
+    if (!transfer->is_object()) throw reader.wrong("transfer", "an object", *transfer);
+    scene.transfer = transferFunctionsFromJson(transfer->dump(), name + ": transfer").front();
+  }
+  if (reader.find("background") != nullptr) reader.read("background", scene.background.emplace());
   reader.read("component", scene.component);
   reader.read("magnitude", scene.magnitude);
   reader.read("width", scene.width);

@@ -8,6 +8,7 @@
 #include "scene/hbCamera.h"
 #include "scene/hbMode.h"
 #include "scene/hbSampling.h"
+#include "scene/hbTransferFunction.h"
 #include "volume/hbGeometry.h"
 
 /// What is looked at and what is seen. What is left empty is chosen from the volume or the picture.
@@ -20,6 +21,8 @@ struct hbScene {
   std::optional<double> isoValue;                  ///< In the data's own values.
   std::optional<std::pair<double, double>> window; ///< Picture values shown as the map's two ends, first < second.
   std::string colormap;                            ///< One of hbColormap::names(); "": the mode's default.
+  std::optional<hbTransferFunction> transfer;      ///< The mode dvr's, over the data's own values.
+  std::optional<glm::dvec3> background;            ///< Coded sRGB, channels in [0,1]; none: a dark gray.
   int component = 0;
   bool magnitude = false;        ///< Show the Euclidean length of all components instead of one of them.
   int width = 512, height = 512; ///< Of the picture in pixels, 1 to kMaxPictureSide.

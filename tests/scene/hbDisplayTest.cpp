@@ -135,3 +135,27 @@ TEST(hbDisplay, RefusesWhatCannotBeShown) {
   EXPECT_THROW(hb::sideBySide(std::array{one}, -1), hbError);
   EXPECT_THROW(hb::sideBySide(std::array{one, one}, 16384), hbError);
 }
+
+TEST(hbDisplay, LightIsShownOverTheBackground) {
+  hbPicture picture = pictureOf({0, 0, 0}, {0, 1, 0.5F});
+  picture.channels["R"] = {0, 1, 0.25F};
+  picture.channels["G"] = {0, 0, 0.25F};
+  picture.channels["B"] = {0, 0, 0};
+  hbScene scene = sceneOf(hbMode::dvr);
+  hbImage8 image = hb::displayImage(picture, scene);
+  EXPECT_EQ(pixel(image, 0), kBackground);
+  EXPECT_EQ(pixel(image, 1), (Rgb{255, 0, 0}));
+  scene.background = {1.0, 1.0, 1.0};
+  image = hb::displayImage(picture, scene);
+  EXPECT_EQ(pixel(image, 0), (Rgb{255, 255, 255}));
+  // In linear light: 0.25 + 0.5 and 0.5; coded 0.8808 and 0.7354.
+  EXPECT_EQ(pixel(image, 2), (Rgb{225, 225, 188}));
+  picture.channels.erase("B"); // then its "Y" is shown
+  EXPECT_EQ(pixel(hb::displayImage(picture, scene), 1), (Rgb{0, 0, 0}));
+}
+
+TEST(hbDisplay, EveryModeTakesTheScenesBackground) {
+  hbScene scene = sceneOf(hbMode::mip);
+  scene.background = {1.0, 0.0, 0.0};
+  EXPECT_EQ(pixel(hb::displayImage(pictureOf({1, 2}, {0, 1}), scene), 0), (Rgb{255, 0, 0}));
+}

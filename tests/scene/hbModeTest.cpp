@@ -5,7 +5,7 @@
 #include "volume/hbError.h"
 
 TEST(hbMode, NamesRoundTrip) {
-  for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso})
+  for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso, hbMode::dvr})
     EXPECT_EQ(hb::modeFromName(hb::modeName(mode)), mode);
 }
 

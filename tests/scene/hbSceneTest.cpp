@@ -25,6 +25,8 @@ hbScene everythingSet() {
   scene.isoValue = -1024.1;
   scene.window = {-0.1, 1e30};
   scene.colormap = "cubehelix";
+  scene.transfer = hbTransferFunction::preset("ct-bone").withUnitLength(1.0 / 3.0);
+  scene.background = {0.1, 1.0, 1.0 / 3.0};
   scene.component = 2;
   scene.magnitude = true;
   scene.width = 640;
@@ -81,8 +83,9 @@ TEST(hbScene, ErrorsNameTheFileAndTheKey) {
       {"{}", "s.json: version: expected, but missing"},
       {R"({"version": 2})", "s.json: version: expected 1, found 2"},
       {R"({"version": 1, "colour": 3})", "s.json: colour: unknown key; known are version, mode, camera, sampling, "
-                                         "isoValue, window, colormap, component, magnitude, width, height"},
-      {R"({"version": 1, "mode": "dvr"})", "s.json: mode: expected xray, mip or iso, found \"dvr\""},
+                                         "isoValue, window, colormap, transfer, background, component, magnitude, "
+                                         "width, height"},
+      {R"({"version": 1, "mode": "best"})", "s.json: mode: expected xray, mip, iso or dvr, found \"best\""},
       {R"({"version": 1, "mode": 3})", "s.json: mode: expected a string, found 3"},
       {R"({"version": 1, "width": 0})", "s.json: width: expected 1 to 16384, found 0"},
       {R"({"version": 1, "height": 16385})", "s.json: height: expected 1 to 16384, found 16385"},
@@ -171,4 +174,13 @@ TEST(hbScene, TheDefaultCameraFramesTheVolumeForThePicturesShape) {
   scene.height = 100;
   EXPECT_EQ(scene.cameraFor(g), hbCamera::framing(g, 30.0, 20.0, hbCamera::Projection::perspective, 2.0));
   EXPECT_EQ(everythingSet().cameraFor(g), *everythingSet().camera);
+}
+
+TEST(hbScene, TransferFunctionsAndBackgroundsAreChecked) {
+  EXPECT_EQ(errorOf(R"({"version": 1, "background": [0, 2, 0]})"),
+            "s.json: background: expected channels in [0,1], found 2");
+  EXPECT_TRUE(errorOf(R"({"version": 1, "background": 1})").starts_with("s.json: background: expected an array"));
+  EXPECT_TRUE(errorOf(R"({"version": 1, "transfer": []})").starts_with("s.json: transfer: expected an object"));
+  const std::string nothing = errorOf(R"({"version": 1, "transfer": {"ColorSpace": "RGB"}})");
+  EXPECT_TRUE(nothing.starts_with("s.json: transfer")) << nothing;
 }

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cmath>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+/// What is seen along a ray through matter that emits and absorbs light, front to back.
+///
+/// The matter of a step is taken as constant: it lets through exp(-extinction length) of what is behind it, and shows
+/// its own colour by the rest. Source: N. Max, "Optical Models for Direct Volume Rendering", IEEE Trans. Visualization
+/// and Computer Graphics 1(2), 1995, section 4, with a source term of colour times extinction.
+class hbEmissionAbsorption {
+public:
+  /// Below this transmittance a ray may end: what is behind shows with less than a thousandth of its light.
+  static constexpr double kOpaque = 0x1p-10;
+
+  /// `matter`: red, green and blue in linear light, and the extinction in 1 / world length; `length`: in the world.
+  void add(const glm::vec4& matter, double length) {
+    if (matter.a == 0.0F) return;
+    const double through = std::exp(-double(matter.a) * length);
+    colour_ += transmittance_ * (1.0 - through) * glm::dvec3(matter);
+    transmittance_ *= through;
+  }
+
+  /// In linear light, multiplied by the opacity.
+  const glm::dvec3& colour() const { return colour_; }
+  double transmittance() const { return transmittance_; }
+  double opacity() const { return 1.0 - transmittance_; }
+  bool isOpaque() const { return transmittance_ < kOpaque; }
+
+private:
+  glm::dvec3 colour_{0.0};
+  double transmittance_ = 1.0;
+};
