@@ -9,8 +9,8 @@
 
 app::CommandLine::CommandLine()
     : program_(std::make_unique<CLI::App>(
-          "Compresses 3D scalar volumes into sparse grids, renders X-ray, maximum-intensity and iso-surface\n"
-          "pictures straight from them, and reports speed against error.",
+          "Compresses 3D scalar volumes into sparse grids, renders X-ray, maximum-intensity, iso-surface and\n"
+          "emission-absorption pictures straight from them, and reports speed against error.",
           "hbvol")) {
   program_->set_version_flag("--version", "hbvol " HBVOL_VERSION);
   program_->require_subcommand(1);

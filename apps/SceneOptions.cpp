@@ -2,27 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glm/trigonometric.hpp>
 
 #include "apps/Program.h"
 #include "scene/hbColormap.h"
+#include "scene/hbTransferFunctionFile.h"
 #include "volume/hbError.h"
 
 void app::SceneOptions::addTo(CLI::App& subcommand) {
   const auto add = [&](const char* group, const char* flag, auto& value, const char* text) {
     return subcommand.add_option(flag, value, text)->group(group);
   };
-  add("Picture", "--mode", mode, "xray (default): line integral; mip: greatest value; iso: surface")
-      ->check(CLI::IsMember({"xray", "mip", "iso"}));
+  add("Picture", "--mode", mode,
+      "xray (default): line integral; mip: greatest value; iso: surface; dvr: colour and opacity")
+      ->check(CLI::IsMember({"xray", "mip", "iso", "dvr"}));
   add("Picture", "--size", size, "Pixels (default 512x512)")->type_name("WxH");
   add("Picture", "--iso", iso, "Iso-value (default: Otsu's threshold of the histogram)");
   add("Picture", "--component", component, "Which component, from 0, or magnitude")->type_name("C");
   add("Picture", "--window", window, "PNG: values shown as the colour map's ends (default: those of the picture)")
       ->type_name("LO,HI");
   add("Picture", "--colormap", colormap, "PNG: gray, inverse-gray, heat, cubehelix or coolwarm");
+  add("Picture", "--transfer", transfer,
+      "DVR: a preset (ct-bone, ct-skin, ct-vessels, ct-lungs, mri-head, simulation, density (default), fire), or a "
+      "file: ParaView's .json (FILE:NAME for one of several), or lines of value, red, green, blue, opacity")
+      ->type_name("F");
+  add("Picture", "--transfer-range", transferRange, "DVR: stretch the transfer function over these values")
+      ->type_name("LO,HI");
+  add("Picture", "--unit-length", unitLength, "DVR: the world length that opacities are stated for")
+      ->check(CLI::PositiveNumber);
+  add("Picture", "--background", background, "PNG: coded sRGB, each in [0,1]")->type_name("R,G,B");
   add("Camera", "--azimuth", azimuth, "Degrees, counter-clockwise seen from above; 0 looks along +y (default 30)");
   add("Camera", "--elevation", elevation, "Degrees above the horizon (default 20)")->check(CLI::Range(-90.0, 90.0));
   add("Camera", "--zoom", zoom, "1 frames the whole volume (default)")->check(CLI::PositiveNumber);
@@ -64,8 +77,36 @@ hbScene app::SceneOptions::scene(const hbGeometry& geometry) const {
     result.magnitude = false;
   }
 
+  if (!background.empty()) {
+    const auto rgb = app::parseNumbers(background, 3, 3, "--background");
+    result.background = {rgb[0], rgb[1], rgb[2]};
+  }
+  result.transfer = transferFunction(result.transfer);
   place(result, geometry);
   return result;
+}
+
+std::optional<hbTransferFunction> app::SceneOptions::transferFunction(std::optional<hbTransferFunction> known) const {
+  if (!transfer.empty()) {
+    const auto names = hbTransferFunction::presetNames();
+    const std::size_t colon = transfer.rfind(':');
+    if (std::find(names.begin(), names.end(), transfer) != names.end())
+      known = hbTransferFunction::preset(transfer);
+    else if (colon != std::string::npos && !std::filesystem::exists(transfer))
+      known = hb::loadTransferFunctions(transfer.substr(0, colon), transfer.substr(colon + 1)).front();
+    else if (std::filesystem::exists(transfer))
+      known = hb::loadTransferFunctions(transfer).front();
+    else
+      throw hbError(
+          fmt::format("--transfer: expected a file or one of {}, found '{}'", fmt::join(names, ", "), transfer));
+  }
+  if ((!transferRange.empty() || unitLength) && !known) known = hbTransferFunction::preset("density");
+  if (!transferRange.empty()) {
+    const auto ends = app::parseNumbers(transferRange, 2, 2, "--transfer-range");
+    known = known->rescaled(ends[0], ends[1]);
+  }
+  if (unitLength) known = known->withUnitLength(*unitLength);
+  return known;
 }
 
 void app::SceneOptions::place(hbScene& scene, const hbGeometry& geometry) const {

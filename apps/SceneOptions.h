@@ -13,8 +13,9 @@ namespace app {
 
 /// The options of `render` that say what is looked at and how.
 struct SceneOptions {
-  std::string file, mode, size, camera, projection, window, colormap, component, sampling;
-  std::optional<double> azimuth, elevation, zoom, iso;
+  std::string file, mode, size, camera, projection, window, colormap, component, sampling, transfer, transferRange,
+      background;
+  std::optional<double> azimuth, elevation, zoom, iso, unitLength;
   int samples = 0;
 
   void addTo(CLI::App& subcommand);
@@ -23,6 +24,8 @@ struct SceneOptions {
   hbScene scene(const hbGeometry& geometry) const;
 
 private:
+  /// The transfer function that the options ask for, on top of the scene's.
+  std::optional<hbTransferFunction> transferFunction(std::optional<hbTransferFunction> known) const;
   /// Gives the scene a camera: --camera, or a framing by the angles, or its own; then the zoom.
   void place(hbScene& scene, const hbGeometry& geometry) const;
 };

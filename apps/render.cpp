@@ -72,10 +72,10 @@ void run(const Options& options, const app::CommonOptions& common) {
     throw hbError(
         fmt::format("--component: expected 0 to {} or magnitude, found {}", input.components() - 1, scene.component));
   hbHistogram histogram;
-  if (scene.mode == hbMode::iso) {
+  if (scene.mode == hbMode::iso || scene.mode == hbMode::dvr)
     histogram = hb::fieldHistogram(*field, scene.component, app::progress());
-    if (!scene.isoValue) scene.isoValue = histogram.otsuThreshold();
-  }
+  if (scene.mode == hbMode::iso && !scene.isoValue) scene.isoValue = histogram.otsuThreshold();
+  if (scene.mode == hbMode::dvr) scene.transfer = hb::transferFor(scene.transfer, histogram, input.geometry());
   start = Clock::now();
   const auto renderer = app::Renderer::create(engine, input, *field, scene, options.rendering, common, options.out);
   secondsBuild += seconds(start);

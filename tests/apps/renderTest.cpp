@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 #include "raycast/hbInput.h"
 #include "scene/hbPictureFile.h"
 #include "scene/hbScene.h"
+#include "scene/hbTransferFunctionFile.h"
 #include "tests/apps/hbAppTest.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/hbInstructionSet.h"
@@ -74,6 +76,71 @@ TEST_F(render, EnginesAgree) {
       EXPECT_LT(run({"diff", "direct.exr", other, "--json"}).json()["max"].get<double>(), 31 * 2 * 12 * 2 * 2 * 0x1p-24)
           << mode << " " << other;
   }
+}
+
+TEST_F(render, ColourAndOpacityAgreeAmongEngines) {
+  EXPECT_RUNS(run({"compress", "field:smooth", "s.hbv", "--level", "5"}));
+  for (const char* engine : {"direct", "combination", "seminodal"})
+    EXPECT_RUNS(run({"render", "s.hbv", fmt::format("{}.exr", engine), "--engine", engine, "--mode", "dvr", "--size",
+                     "40x30", "--samples", "16", "--transfer", "density", "--transfer-range", "0,1", "--unit-length",
+                     "0.1", "--save-scene", "scene.json"}));
+  // A ray shorter than 2 has an optical depth of at most 20 times that of density's 0.5, and a value's error (as in
+  // EnginesAgree, without the length) changes the depth by the slope of -ln(1 - opacity), at most 0.53 / 0.5, and
+  // colours by that of cubehelix, below 8 in linear light.
+  const double value = 31 * 2 * 12 * 2 * 0x1p-24;
+  for (const char* other : {"combination.exr", "seminodal.exr"})
+    EXPECT_LT(run({"diff", "direct.exr", other, "--json"}).json()["max"].get<double>(), value * (20 * 1.06 + 8))
+        << other;
+  const hbPicture made = picture("direct.exr");
+  for (const char* name : {"R", "G", "B", "A", "Y"}) EXPECT_NE(made.find(name), nullptr) << name;
+  const hbScene scene = hb::loadScene(folder_ / "scene.json");
+  EXPECT_EQ(scene.transfer->name(), "density");
+  EXPECT_EQ(scene.transfer->range(), std::pair(0.0, 1.0));
+  EXPECT_EQ(scene.transfer->definition().unitLength, 0.1);
+  // The scene alone gives the same picture again, and the file that holds its function, too.
+  EXPECT_RUNS(run({"render", "s.hbv", "again.exr", "--engine", "seminodal", "--scene", "scene.json"}));
+  EXPECT_EQ(picture("again.exr").channels, picture("seminodal.exr").channels);
+  hb::saveTransferFunctions(std::array{hbTransferFunction::preset("fire"), *scene.transfer}, folder_ / "maps.json");
+  EXPECT_RUNS(run({"render", "s.hbv", "again.exr", "--mode", "dvr", "--size", "40x30", "--samples", "16", "--transfer",
+                   "maps.json:density"}));
+  EXPECT_EQ(picture("again.exr").channels, picture("seminodal.exr").channels);
+}
+
+TEST_F(render, ColourAndOpacityNeedNoOptions) {
+  EXPECT_RUNS(
+      run({"render", "field:hydrogen,size=33", "r.png", "--mode", "dvr", "--size", "30x30", "--background", "1,1,1"}));
+  const hbImage8 image = hb::readPng(folder_ / "r.png");
+  EXPECT_EQ(image.rgb[0], 255); // beside the volume
+  EXPECT_LT(*std::min_element(image.rgb.begin(), image.rgb.end()), 200);
+  write("table.txt", "# value r g b opacity\n0 1 0 0 0.5\n1 1 0 0 0.5\n");
+  EXPECT_RUNS(run(
+      {"render", "field:hydrogen,size=33", "r.exr", "--mode", "dvr", "--size", "30x30", "--transfer", "table.txt"}));
+  const hbPicture made = picture("r.exr");
+  const auto greatest = [&](const char* name) {
+    return *std::max_element(made.find(name)->begin(), made.find(name)->end());
+  };
+  EXPECT_EQ(greatest("G"), 0.0F);
+  EXPECT_GT(greatest("R"), 0.5F);
+}
+
+TEST_F(render, RefusesWrongColoursAndOpacities) {
+  EXPECT_RUNS(run({"compress", "field:ball", "b.hbv", "--level", "2"}));
+  const auto refused = [&](const std::vector<std::string>& more, int code, std::string_view words) {
+    std::vector<std::string> arguments{"render", "b.hbv", "x.exr", "--mode", "dvr", "--size", "4x4"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expectFailureLeavesAll(arguments, code, words);
+  };
+  refused({"--transfer", "none.json"}, 1, "--transfer: expected a file or one of ct-bone");
+  refused({"--transfer", "none.json:bone"}, 1, "none.json");
+  write("bad.json", "[{}]");
+  refused({"--transfer", "bad.json"}, 1, "bad.json");
+  refused({"--transfer-range", "1,0"}, 1, "");
+  refused({"--transfer-range", "1"}, 1, "--transfer-range");
+  refused({"--unit-length", "0"}, 2, "--unit-length");
+  refused({"--background", "1,1"}, 1, "--background");
+  refused({"--background", "2,0,0"}, 1, "background: expected channels in [0,1]");
+  refused({"--engine", "lattice"}, 1, "dvr: expected an engine of the ray caster");
+  refused({"--engine", "opengl"}, 1, "dvr: expected an engine of the ray caster");
 }
 
 TEST_F(render, TheLatticeEngineDrawsTheSame) {
