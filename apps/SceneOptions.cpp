@@ -35,6 +35,8 @@ void app::SceneOptions::addTo(CLI::App& subcommand) {
       ->type_name("LO,HI");
   add("Picture", "--unit-length", unitLength, "DVR: the world length that opacities are stated for")
       ->check(CLI::PositiveNumber);
+  subcommand.add_flag("--preintegrate", preintegrate, "DVR: integrate over the slab between two samples beforehand")
+      ->group("Picture");
   add("Picture", "--background", background, "PNG: coded sRGB, each in [0,1]")->type_name("R,G,B");
   add("Camera", "--azimuth", azimuth, "Degrees, counter-clockwise seen from above; 0 looks along +y (default 30)");
   add("Camera", "--elevation", elevation, "Degrees above the horizon (default 20)")->check(CLI::Range(-90.0, 90.0));
@@ -77,6 +79,7 @@ hbScene app::SceneOptions::scene(const hbGeometry& geometry) const {
     result.magnitude = false;
   }
 
+  if (preintegrate) result.preintegrated = true;
   if (!background.empty()) {
     const auto rgb = app::parseNumbers(background, 3, 3, "--background");
     result.background = {rgb[0], rgb[1], rgb[2]};

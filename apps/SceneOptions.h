@@ -16,6 +16,7 @@ struct SceneOptions {
   std::string file, mode, size, camera, projection, window, colormap, component, sampling, transfer, transferRange,
       background;
   std::optional<double> azimuth, elevation, zoom, iso, unitLength;
+  bool preintegrate = false;
   int samples = 0;
 
   void addTo(CLI::App& subcommand);

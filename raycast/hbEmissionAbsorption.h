@@ -23,6 +23,15 @@ public:
     transmittance_ *= through;
   }
 
+  /// A slab that shows `slab` (red, green and blue in linear light, multiplied by the opacity, and the opacity) where
+  /// it is as thick as it was integrated for, `thicknesses` times as thick.
+  void addSlab(const glm::vec4& slab, double thicknesses) {
+    if (!(slab.a > 0.0F)) return;
+    const double through = std::pow(1.0 - double(slab.a), thicknesses);
+    colour_ += transmittance_ * (1.0 - through) / double(slab.a) * glm::dvec3(slab);
+    transmittance_ *= through;
+  }
+
   /// In linear light, multiplied by the opacity.
   const glm::dvec3& colour() const { return colour_; }
   double transmittance() const { return transmittance_; }

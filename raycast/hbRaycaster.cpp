@@ -15,6 +15,7 @@
 #include "raycast/hbRaySegment.h"
 #include "raycast/hbSurfaceShader.h"
 #include "scene/hbColorSpace.h"
+#include "scene/hbPreintegration.h"
 #include "scene/hbTransferTable.h"
 #include "volume/hbError.h"
 #include "volume/hbParallel.h"
@@ -59,6 +60,7 @@ struct Frame {
   std::vector<float>*y, *a, *z = nullptr, *nx = nullptr, *ny = nullptr, *nz = nullptr, *value = nullptr;
   std::array<std::vector<float>*, 3> rgb{};
   std::optional<hbTransferTable> matter;
+  std::optional<hbPreintegration> slabs; ///< Of one step.
 
   Frame(const hbField& f, const hbScene& s, hbPicture& picture)
       : field(f), scene(s), camera(*s.camera), map(f.valueMap()), worldToCube(glm::inverse(f.geometry().cubeToWorld())),
@@ -68,7 +70,10 @@ struct Frame {
     a = &picture.add("A");
     if (s.mode == hbMode::dvr) {
       for (std::size_t c = 0; c < 3; ++c) rgb[c] = &picture.add(std::string(1, "RGB"[c]));
-      matter.emplace(*s.transfer);
+      if (s.preintegrated)
+        slabs.emplace(integrated(*s.transfer, step));
+      else
+        matter.emplace(*s.transfer);
     }
     if (s.mode != hbMode::iso) return;
     z = &picture.add("Z", std::numeric_limits<float>::infinity());
@@ -78,12 +83,20 @@ struct Frame {
     value = &picture.add("value");
   }
 
+  /// Over the function's range and a cell more at either end, which what is beyond counts as.
+  static hbPreintegration integrated(const hbTransferFunction& function, double thickness) {
+    constexpr std::size_t kEntries = 1024;
+    const auto [lo, hi] = function.range();
+    const double cell = (hi - lo) / double(kEntries - 3);
+    return {function, lo - cell, hi + cell, thickness, kEntries};
+  }
+
   RaySamples samples(const hbRay& ray, const hbRaySegment& segment) const {
     if (scene.sampling.kind == hbSampling::Kind::planewise) return onPlanes(ray, segment);
     const double count = std::min(std::max(1.0, std::ceil(segment.length() / step)), kMostSamples);
     const double length = segment.length() / count;
     // Iso looks at both ends of every step, integrals and maxima at the midpoints.
-    if (scene.mode == hbMode::iso) return {segment.enter, length, length, std::int64_t(count) + 1};
+    if (scene.mode == hbMode::iso || slabs) return {segment.enter, length, length, std::int64_t(count) + 1};
     return {segment.enter + 0.5 * length, length, length, std::int64_t(count), length, length};
   }
 
@@ -127,7 +140,7 @@ public:
     case hbMode::iso:
       return findCrossing(ray, *segment, samples, at);
     case hbMode::dvr:
-      return composite(*segment, samples, at);
+      return frame_.slabs ? compositeSlabs(*segment, samples, at) : composite(*segment, samples, at);
     }
   }
 
@@ -181,6 +194,31 @@ private:
       light.add(frame_.matter->at(float(frame_.map.toTrue(value))), samples.share(i));
       return !light.isOpaque();
     });
+    show(light, at);
+  }
+
+  /// A slab between each two samples; on planes, what lies before the first and behind the last has their values.
+  void compositeSlabs(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
+    hbEmissionAbsorption light;
+    const auto add = [&](float front, float back, double length) {
+      light.addSlab(frame_.slabs->at(front, back), length / frame_.step);
+    };
+    float before = 0.0F;
+    march(segment, samples, [&](std::int64_t i, float number) {
+      const auto value = float(frame_.map.toTrue(number));
+      if (i > 0)
+        add(before, value, samples.step);
+      else
+        add(value, value, samples.first - segment.enter);
+      before = value;
+      return !light.isOpaque();
+    });
+    if (samples.count > 0 && !light.isOpaque())
+      add(before, before, segment.leave - samples.first - double(samples.count - 1) * samples.step);
+    show(light, at);
+  }
+
+  void show(const hbEmissionAbsorption& light, std::size_t at) {
     for (std::size_t c = 0; c < 3; ++c) (*frame_.rgb[c])[at] = float(light.colour()[int(c)]);
     (*frame_.y)[at] = float(hb::linearToXyz(light.colour()).y);
     (*frame_.a)[at] = float(light.opacity());

@@ -18,7 +18,7 @@
 /// next one lie on different sides of the iso-value (a value equal to it counts as above); two crossings between two
 /// samples are missed. Equidistant crossings are refined, planewise ones interpolated linearly between the planes, as
 /// the OpenGL path can do no better. DVR composites samples front to back by hbEmissionAbsorption, each for its share
-/// of the ray, and ends where nothing behind would show.
+/// of the ray, or pre-integrated slabs between them, and ends where nothing behind would show.
 class hbRaycaster {
 public:
   /// Iso-surface: so many bisections bracket the crossing to kIsoBracket of a step; then it is placed by linear

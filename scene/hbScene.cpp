@@ -102,6 +102,7 @@ std::string hb::toJson(const hbScene& scene) {
   if (scene.window) json["window"] = {scene.window->first, scene.window->second};
   if (!scene.colormap.empty()) json["colormap"] = scene.colormap;
   if (scene.transfer) json["transfer"] = nlohmann::ordered_json::parse(toJson({&*scene.transfer, 1}))[0];
+  if (scene.preintegrated) json["preintegrated"] = true;
   if (scene.background) json["background"] = vector(*scene.background);
   json["component"] = scene.component;
   json["magnitude"] = scene.magnitude;
@@ -114,7 +115,7 @@ hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
   const Json json = hb::parseJson(text, name);
   const hbJsonReader reader(json, name,
                             {"version", "mode", "camera", "sampling", "isoValue", "window", "colormap", "transfer",
-                             "background", "component", "magnitude", "width", "height"});
+                             "preintegrated", "background", "component", "magnitude", "width", "height"});
   int version = 0;
   reader.require("version");
   reader.read("version", version);
@@ -138,6 +139,7 @@ hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
     if (!transfer->is_object()) throw reader.wrong("transfer", "an object", *transfer);
     scene.transfer = transferFunctionsFromJson(transfer->dump(), name + ": transfer").front();
   }
+  reader.read("preintegrated", scene.preintegrated);
   if (reader.find("background") != nullptr) reader.read("background", scene.background.emplace());
   reader.read("component", scene.component);
   reader.read("magnitude", scene.magnitude);

@@ -22,6 +22,7 @@ struct hbScene {
   std::optional<std::pair<double, double>> window; ///< Picture values shown as the map's two ends, first < second.
   std::string colormap;                            ///< One of hbColormap::names(); "": the mode's default.
   std::optional<hbTransferFunction> transfer;      ///< The mode dvr's, over the data's own values.
+  bool preintegrated = false;                      ///< DVR: whole slabs between samples, see hbPreintegration.
   std::optional<glm::dvec3> background;            ///< Coded sRGB, channels in [0,1]; none: a dark gray.
   int component = 0;
   bool magnitude = false;        ///< Show the Euclidean length of all components instead of one of them.

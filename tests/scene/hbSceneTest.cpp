@@ -26,6 +26,7 @@ hbScene everythingSet() {
   scene.window = {-0.1, 1e30};
   scene.colormap = "cubehelix";
   scene.transfer = hbTransferFunction::preset("ct-bone").withUnitLength(1.0 / 3.0);
+  scene.preintegrated = true;
   scene.background = {0.1, 1.0, 1.0 / 3.0};
   scene.component = 2;
   scene.magnitude = true;
@@ -82,9 +83,10 @@ TEST(hbScene, ErrorsNameTheFileAndTheKey) {
       {"[]", "s.json: expected an object, found an array"},
       {"{}", "s.json: version: expected, but missing"},
       {R"({"version": 2})", "s.json: version: expected 1, found 2"},
-      {R"({"version": 1, "colour": 3})", "s.json: colour: unknown key; known are version, mode, camera, sampling, "
-                                         "isoValue, window, colormap, transfer, background, component, magnitude, "
-                                         "width, height"},
+      {R"({"version": 1, "colour": 3})",
+       "s.json: colour: unknown key; known are version, mode, camera, sampling, "
+       "isoValue, window, colormap, transfer, preintegrated, background, component, magnitude, "
+       "width, height"},
       {R"({"version": 1, "mode": "best"})", "s.json: mode: expected xray, mip, iso or dvr, found \"best\""},
       {R"({"version": 1, "mode": 3})", "s.json: mode: expected a string, found 3"},
       {R"({"version": 1, "width": 0})", "s.json: width: expected 1 to 16384, found 0"},
