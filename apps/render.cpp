@@ -72,7 +72,8 @@ void run(const Options& options, const app::CommonOptions& common) {
     throw hbError(
         fmt::format("--component: expected 0 to {} or magnitude, found {}", input.components() - 1, scene.component));
   hbHistogram histogram;
-  if (scene.mode == hbMode::iso || scene.mode == hbMode::dvr)
+  const bool isStretched = scene.mode == hbMode::dvr && (!scene.transfer || scene.transfer->definition().relative);
+  if (scene.mode == hbMode::iso || isStretched)
     histogram = hb::fieldHistogram(*field, scene.component, app::progress());
   if (scene.mode == hbMode::iso && !scene.isoValue) scene.isoValue = histogram.otsuThreshold();
   if (scene.mode == hbMode::dvr) scene.transfer = hb::transferFor(scene.transfer, histogram, input.geometry());
@@ -135,7 +136,10 @@ app::Work prepare(const Options& options, const app::CommonOptions& common) {
     throw hbError(fmt::format("{}: expected a name that ends with .exr or .png", options.out));
   common.checkOutputs({options.out, options.saveScene});
   options.input.rawLayout();
-  app::Renderer::check(hb::engineFromName(options.engine), options.rendering);
+  const hbEngine engine = hb::engineFromName(options.engine);
+  app::Renderer::check(engine, options.rendering);
+  if (engine == hbEngine::opengl && options.scene.sampling == "equidistant")
+    throw hbError("--sampling: expected planewise with --engine opengl, found equidistant");
   return [&] { run(options, common); };
 }
 

@@ -11,7 +11,7 @@ public:
     gl.BindBuffer(target, name_);
     gl.BufferData(target, GLsizeiptr(bytes), data, GL_STATIC_DRAW);
   }
-  ~hbGlBuffer() { gl_.DeleteBuffers(1, &name_); }
+  ~hbGlBuffer() { gl_.DeleteBuffers.quietly(1, &name_); }
   hbGlBuffer(const hbGlBuffer&) = delete;
   hbGlBuffer& operator=(const hbGlBuffer&) = delete;
 

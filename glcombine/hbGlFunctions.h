@@ -43,6 +43,9 @@ public:
     }
   }
 
+  /// Without looking at the error: for what is deleted, perhaps while another error is thrown.
+  void quietly(Arguments... arguments) const noexcept { call_(arguments...); }
+
 private:
   const char* name_;
   Pointer call_;

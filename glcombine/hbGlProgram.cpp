@@ -36,7 +36,7 @@ hbGlProgram::hbGlProgram(const hbGlFunctions& gl, const std::string& vertexShade
   throw hbError(fmt::format("glLinkProgram: expected a program that links, found: {}", log));
 }
 
-hbGlProgram::~hbGlProgram() { gl_.DeleteProgram(program_); }
+hbGlProgram::~hbGlProgram() { gl_.DeleteProgram.quietly(program_); }
 
 GLuint hbGlProgram::compile(GLenum kind, const std::string& source) const {
   const GLuint shader = gl_.CreateShader(kind);

@@ -12,7 +12,7 @@ void main() { gl_Position = vec4(2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) -
 
   /// Keeps a reference to `gl`.
   explicit hbGlQuad(const hbGlFunctions& gl) : gl_(gl) { gl.GenVertexArrays(1, &vertices_); }
-  ~hbGlQuad() { gl_.DeleteVertexArrays(1, &vertices_); }
+  ~hbGlQuad() { gl_.DeleteVertexArrays.quietly(1, &vertices_); }
   hbGlQuad(const hbGlQuad&) = delete;
   hbGlQuad& operator=(const hbGlQuad&) = delete;
 

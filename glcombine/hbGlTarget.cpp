@@ -19,7 +19,7 @@ hbGlTarget::hbGlTarget(const hbGlFunctions& gl, int width, int height, hbGlForma
   clear(0.0F);
 }
 
-hbGlTarget::~hbGlTarget() { gl_.DeleteFramebuffers(1, &name_); }
+hbGlTarget::~hbGlTarget() { gl_.DeleteFramebuffers.quietly(1, &name_); }
 
 void hbGlTarget::bind() const {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, name_);

@@ -11,7 +11,7 @@ public:
     gl.BindTexture(target, name_);
   }
   ~hbGlTexture() {
-    if (name_ != 0) gl_->DeleteTextures(1, &name_);
+    if (name_ != 0) gl_->DeleteTextures.quietly(1, &name_);
   }
   hbGlTexture(hbGlTexture&& other) noexcept
       : gl_(other.gl_), target_(other.target_), name_(std::exchange(other.name_, 0)) {}

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "glcombine/hbGlProgram.h"
 #include "glcombine/hbGlQuad.h"
 #include "glcombine/hbGlTarget.h"
@@ -12,7 +14,7 @@
 class hbOglPlaneCompositor {
 public:
   /// What stands for a MIP's maximum where there is no sample.
-  static constexpr float kLeast = -1e30F;
+  static constexpr float kLeast = std::numeric_limits<float>::lowest();
 
   /// Keeps a reference to `gl`; for pictures of the scene's mode and size.
   hbOglPlaneCompositor(const hbGlFunctions& gl, const hbScene& scene);

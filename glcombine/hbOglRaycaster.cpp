@@ -43,20 +43,29 @@ struct hbOglRaycaster::Parts {
   Parts(const hbGlContext& c, const hbSparseGrid& g, const hbScene& asked, const Options& choice)
       : context(c), gl(c.gl()), grid(g), scene(hbPlaneRays(g, asked).scene()), options(choice) {
     options.blend.memory = options.memory;
+    const int most = mostTexels();
+    if (std::max(scene.width, scene.height) > most)
+      throw hbError(fmt::format("picture: expected sides of at most {} pixels on this device, found {} x {}", most,
+                                scene.width, scene.height));
     if (options.form == Form::blend) {
       blended.emplace(context, hbCombinationSparseGrid(grid), scene.component, options.blend);
       if (!options.readBack) compositor.emplace(gl, scene);
     } else {
       if (options.form == Form::fused)
-        fused.emplace(context, hbCombinationSparseGrid(grid), scene.component);
+        fuse(hbCombinationSparseGrid(grid));
       else
-        fused.emplace(context, hbSemiNodalGrid(grid), scene.component);
-      if (fused->textureBytes() > options.memory)
-        throw hbError(fmt::format("textures: expected memory for {} bytes, found a limit of {}", fused->textureBytes(),
-                                  options.memory));
+        fuse(hbSemiNodalGrid(grid));
       marched.emplace(gl, scene.width, scene.height, hbGlFormat::r32f);
     }
     if (scene.mode == hbMode::iso) shader.emplace(gl);
+  }
+
+  template <class Grid>
+  void fuse(const Grid& stored) {
+    const auto bytes = std::int64_t(stored.values(scene.component).size_bytes());
+    if (bytes > options.memory)
+      throw hbError(fmt::format("textures: expected memory for {} bytes, found a limit of {}", bytes, options.memory));
+    fused.emplace(context, stored, scene.component);
   }
 
   /// Blends all planes, as many at a time as there are tiles, and calls take(first, count, before, target) with each
@@ -76,9 +85,13 @@ struct hbOglRaycaster::Parts {
   }
 
   hbOglTiles tilesFor(const hbPlaneRays& rays) const {
-    GLint mostTexels = 0;
-    gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &mostTexels);
-    return {scene.width, scene.height, rays.planes(), mostTexels};
+    return {scene.width, scene.height, rays.planes(), mostTexels()};
+  }
+
+  GLint mostTexels() const {
+    GLint most = 0;
+    gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+    return most;
   }
 
   hbPicture readBack(const hbPlaneRays& rays, hbProgress& progress) const {
@@ -169,8 +182,9 @@ hbOglRaycaster::~hbOglRaycaster() = default;
 
 double hbOglRaycaster::bytes(const hbSparseGrid& grid, const hbScene& scene, const Options& options) {
   const hbIndexSet& set = grid.indexSet();
-  constexpr double kPixel = 128.0; // rays, what was found, normals
-  const double pixels = kPixel * scene.width * scene.height;
+  // Rays and what was found; surfaces take places, normals and values more, and several lists of them.
+  const double perPixel = scene.mode == hbMode::iso ? 320.0 : 128.0;
+  const double pixels = perPixel * scene.width * scene.height;
   if (options.form == Form::seminodal)
     return pixels + hbSemiNodalGrid::bytes(set, grid.components()) + hbSemiNodalGrid::bytes(set, 1);
   const double components = hbCombinationSparseGrid::bytes(set, grid.components());

@@ -105,7 +105,7 @@ std::string fragments(hbOglSparseGrid::Filter filter, const char* rest, bool inP
 }
 
 /// One texture and what its samples are multiplied with. Texture coordinate = offset + toTexture * place; the texture's
-/// first axis is the one with the fewest nodes, see axesByLength().
+/// first axis is the one with the most nodes, see axesByLength().
 struct Term {
   glm::mat3 toTexture{0.0F};
   glm::vec3 offset{0.0F}, from{0.0F}, beyond{0.0F};
@@ -118,8 +118,8 @@ struct Term {
 
 using Pieces = std::array<const hbTextureLayout::Piece*, 3>;
 
-/// The axes of a grid from the shortest to the longest, which is the order in which a texture has them: the texels
-/// around a place then lie in one or two lines of a cache, where samples are farther apart than nodes.
+/// The axes of a grid from the longest to the shortest, which is the order in which a texture has them: Mesa pads rows
+/// to lines of the cache, and short ones would take several times their size of it.
 std::array<int, 3> axesByLength(const hbSize3& nodes) {
   std::array<int, 3> axes{0, 1, 2};
   std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return nodes[a] > nodes[b]; });
@@ -271,7 +271,7 @@ std::vector<Term> hbOglSparseGrid::Parts::termsOf(const hbCombinationSparseGrid&
   return list;
 }
 
-/// Uploads what there is memory for; the rest leaves room for the largest of itself.
+/// Uploads what there is memory for; where that is not all, room is left for the largest.
 void hbOglSparseGrid::Parts::keep() {
   std::int64_t largest = 0;
   for (const Term& term : terms) {

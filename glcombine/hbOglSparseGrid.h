@@ -24,7 +24,8 @@ class hbOglTiles;
 ///
 /// Fixed-point textures and targets hold [0,1] and clamp what is outside. Values are mapped there by the range of all
 /// nodal values (the coefficients sum to 1, so the combination is mapped alike), and what is drawn is divided by the
-/// sum of the positive coefficients. For 16-bit floats, values are divided by the largest magnitude. Source: the
+/// sum of the positive coefficients. There is room above for what lies between nodes and exceeds them; what falls below
+/// the least of them is clamped. For 16-bit floats, values are divided by the largest magnitude. Source: the
 /// sparse-grid paper, section 6, createTextures, dataToTexture, calcValueRect, draw.
 class hbOglSparseGrid {
 public:

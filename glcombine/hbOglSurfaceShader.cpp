@@ -22,10 +22,11 @@ void main() {
 } // namespace
 
 hbOglSurfaceShader::hbOglSurfaceShader(const hbGlFunctions& gl)
-    : quad_(gl),
+    : gl_(gl), quad_(gl),
       program_(gl, hbGlQuad::kVertexShader, std::string("#version 330 core\n") + hbOglRays::glsl() + kFragments) {}
 
 void hbOglSurfaceShader::shade(const hbOglRays& rays, const hbGlTarget& differences, const hbGlTarget& out) const {
+  gl_.Disable(GL_BLEND);
   out.clear(0.0F);
   quad_.bind();
   program_.use();

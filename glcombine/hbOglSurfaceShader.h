@@ -17,6 +17,7 @@ public:
   void shade(const hbOglRays& rays, const hbGlTarget& differences, const hbGlTarget& out) const;
 
 private:
+  const hbGlFunctions& gl_;
   hbGlQuad quad_;
   hbGlProgram program_;
 };

@@ -18,6 +18,7 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
     : field_(field), scene_(scene), worldToCube_(glm::inverse(field.geometry().cubeToWorld())) {
   scene.validate();
   scene_.camera = scene.cameraFor(field.geometry());
+  scene_.sampling.kind = hbSampling::Kind::planewise;
   if (scene.component < 0 || scene.component >= field.components())
     throw hbError(fmt::format("component: expected 0 to {}, found {}", field.components() - 1, scene.component));
   if (scene.mode == hbMode::iso && !scene.isoValue) throw hbError("iso: expected an iso-value");
@@ -71,8 +72,11 @@ hbPlaneRays::Plane hbPlaneRays::plane(int index) const {
 
 hbPlaneRays::Window hbPlaneRays::window(int plane) const {
   const double way = distance(plane);
-  const bool isPerspective = scene_.camera->projection == hbCamera::Projection::perspective;
-  if (isPerspective && !(way > 0.0)) return {};
+  if (scene_.camera->projection == hbCamera::Projection::perspective) {
+    // A plane through the eye, but for rounding, is a point that every ray begins at; there is none behind it.
+    if (std::abs(way) < 1e-9 * step_) return {0, 0, scene_.width, scene_.height};
+    if (way < 0.0) return {};
+  }
   // The plane cuts a polygon out of the cube, with its corners on edges of the cube.
   const hbPixelRays pixels(*scene_.camera, scene_.width, scene_.height, field_.geometry());
   glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);

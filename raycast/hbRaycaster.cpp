@@ -110,6 +110,11 @@ struct Frame {
     const double planes = scene.sampling.planes(field.geometry(), camera);
     const double first = std::max(0.0, std::ceil(plane(segment.enter))),
                  last = std::min(planes - 1.0, std::floor(plane(segment.leave)));
+    // Light is not lost between two planes.
+    if (last < first && scene.mode == hbMode::dvr) {
+      const double length = segment.length();
+      return {segment.enter + 0.5 * length, length, length, 1, length, length};
+    }
     if (last < first) return {};
     RaySamples samples{(extent.near + (first + 0.5) * step - start) / cosine, step / cosine, step / cosine,
                        std::int64_t(last - first) + 1};

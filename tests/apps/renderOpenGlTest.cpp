@@ -86,9 +86,12 @@ TEST_F(renderOpenGl, RefusesWhatItCannotDo) {
   refused({"--engine", "opengl", "--stream"}, 1, "--stream: expected --gl-form blend with it, found seminodal");
   refused({"--engine", "opengl", "--gl-form", "fused", "--gl-target", "r8"}, 1, "--gl-target");
   refused({"--engine", "opengl", "--gl-form", "fast"}, 2, "--gl-form");
+  refused({"--engine", "opengl", "--sampling", "equidistant"}, 1,
+          "--sampling: expected planewise with --engine opengl");
   refused({"--engine", "opengl", "--gl", "glx"}, 2, "--gl");
   refused({"--engine", "opengl", "--gl-form", "blend", "--gl-target", "r12"}, 2, "--gl-target");
-  refused({"--engine", "opengl", "--gl-form", "blend", "--gl-target", "r8", "--gl-order", "interleaved"}, 1, "order");
+  refused({"--engine", "opengl", "--gl-form", "blend", "--gl-target", "r8", "--gl-order", "interleaved"}, 1,
+          "order of blending: expected positive terms first for the target r8");
   refused({"--engine", "opengl", "--texture-memory", "0"}, 2, "--texture-memory");
   refused({"--engine", "opengl", "--texture-memory", "6019"}, 1,
           "expected memory for 6020 bytes, found a limit of 6019");

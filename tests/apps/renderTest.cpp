@@ -134,7 +134,7 @@ TEST_F(render, RefusesWrongColoursAndOpacities) {
   refused({"--transfer", "none.json:bone"}, 1, "none.json");
   write("bad.json", "[{}]");
   refused({"--transfer", "bad.json"}, 1, "bad.json");
-  refused({"--transfer-range", "1,0"}, 1, "");
+  refused({"--transfer-range", "1,0"}, 1, "found 1 to 0");
   refused({"--transfer-range", "1"}, 1, "--transfer-range");
   refused({"--unit-length", "0"}, 2, "--unit-length");
   refused({"--background", "1,1"}, 1, "--background");

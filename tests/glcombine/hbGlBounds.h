@@ -39,8 +39,14 @@ public:
   double floats() const {
     return (18.0 + terms_) * 0x1p-24 * weights_ * largest_ + 8.0 * 0x1p-24 * 3.0 * reach_ * steepness_;
   }
+  /// Texels off by `rounding` times the range of the nodal values, which is at most twice the greatest.
+  hbGlBounds& withTexels(double rounding) {
+    texels_ = rounding * 2.0 * largest_ * weights_;
+    return *this;
+  }
+
   /// Between a drawn value and the combination engine's.
-  double values() const { return 2.0 * floats(); }
+  double values() const { return 2.0 * floats() + texels_; }
   /// Between sums over planes times the part of a unit length between two: of as many values, added up in 32 bits,
   /// none of which exceeds the sum of the weights.
   double sums() const { return values() + planes_ * 0x1p-24 * weights_ * largest_; }
@@ -52,4 +58,5 @@ private:
   double steepness_ = 0.0; ///< How far a step of 1 in the coordinates could move a value.
   double reach_ = 1.0;     ///< Largest coordinate.
   double planes_ = 0.0;
+  double texels_ = 0.0;
 };

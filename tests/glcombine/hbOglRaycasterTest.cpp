@@ -19,6 +19,7 @@ struct Way {
   std::string name;
   hbGlContext::Kind kind;
   hbOglRaycaster::Options options;
+  double texels = 0.0; ///< How far they are rounded, of the range of the nodal values.
 };
 
 std::vector<Way> ways() {
@@ -26,9 +27,9 @@ std::vector<Way> ways() {
   std::vector<Way> list;
   for (const auto& [name, kind] :
        {std::pair("Osmesa", hbGlContext::Kind::osmesa), std::pair("Egl", hbGlContext::Kind::egl)}) {
-    const auto add = [&, kind = kind, name = std::string(name)](const char* how,
-                                                                const hbOglRaycaster::Options& options) {
-      list.push_back({name + how, kind, options});
+    const auto add = [&, kind = kind, name = std::string(name)](const char* how, const hbOglRaycaster::Options& options,
+                                                                double texels = 0.0) {
+      list.push_back({name + how, kind, options, texels});
     };
     hbOglRaycaster::Options blend{Form::blend};
     add("Blend", blend);
@@ -36,6 +37,14 @@ std::vector<Way> ways() {
     blend.blend.order = hbOglSparseGrid::Order::positiveFirst;
     blend.blend.form = hbTextureLayout::Form::padded;
     add("BlendExactlyPaddedPositiveFirst", blend);
+    // Values mapped to [0,1], and divided by the greatest: half a step, and half of a last place.
+    blend = {.form = Form::blend};
+    blend.blend.textures = hbGlFormat::r16;
+    add("BlendFixedTextures", blend, 0x1p-17);
+    blend.blend.textures = hbGlFormat::r16f;
+    add("BlendHalfTextures", blend, 0x1p-11);
+    blend.readBack = true;
+    add("BlendHalfTexturesReadBack", blend, 0x1p-11);
     add("BlendReadBack", {Form::blend, true});
     add("Fused", {Form::fused});
     add("Seminodal", {Form::seminodal});
@@ -71,7 +80,8 @@ TEST_P(hbOglRaycasterTest, XrayAndMipAreThePlanewisePicturesOfTheCombination) {
         const hbPicture expected = hbRaycaster(combination, scene).render(), found = drawn(grid, scene);
         EXPECT_EQ(channel(found, "A"), channel(expected, "A"));
         const std::vector<float> ys = channel(found, "Y"), exact = channel(expected, "Y");
-        const hbGlBounds bounds(combination, hbPlaneRays(combination, scene));
+        hbGlBounds bounds(combination, hbPlaneRays(combination, scene));
+        bounds.withTexels(GetParam().texels);
         const double longest = glm::length(g.extent()) + scene.sampling.stepLength(g, camera) * 16.0;
         const double tolerance = mode == hbMode::xray ? bounds.sums() * longest : bounds.values();
         for (std::size_t i = 0; i < ys.size(); ++i)
@@ -90,7 +100,7 @@ TEST_P(hbOglRaycasterTest, IsoSurfacesAreThePlanewiseOnes) {
     const hbScene scene = planewise(hbMode::iso, camera);
     const hbPicture expected = hbRaycaster(combination, scene).render(), found = drawn(grid, scene);
     const hbPlaneRays rays(combination, scene);
-    const double perValue = hbGlBounds(combination, rays).values();
+    const double perValue = hbGlBounds(combination, rays).withTexels(GetParam().texels).values();
     EXPECT_EQ(channel(found, "A"), channel(expected, "A"));
     const double step = scene.sampling.stepLength(g, camera);
     for (std::size_t i = 0; i < channel(found, "A").size(); ++i) {

@@ -13,7 +13,12 @@ TEST(hbPlaneRays, NoPixelOutsideAPlanesWindowSeesTheVolumeOnIt) {
   for (const hbGeometry& g : {box({9, 9, 9}, {1.0, 1.0, 1.0}), awkward(), box({9, 1, 5}, {1.0, 0.3, 2.0})}) {
     const hbSparseGrid grid = gridOf(g, 2, {waves});
     std::int64_t outside = 0;
-    for (const hbCamera& camera : cameras(g)) {
+    std::vector<hbCamera> all = cameras(g);
+    hbCamera onPlane; // an odd number of planes has one through the middle of the volume
+    onPlane.position = glm::dvec3(g.cubeToWorld() * glm::dvec4(0.5, 0.5, 0.5, 1.0));
+    onPlane.target = onPlane.position + glm::dvec3(0.3, 1.0, 0.2);
+    all.push_back(onPlane);
+    for (const hbCamera& camera : all) {
       const hbPlaneRays rays(grid, sceneOf(hbMode::xray, camera, 19, 13));
       for (int i = 0; i < rays.planes(); ++i) {
         const hbPlaneRays::Window window = rays.plane(i).window;
