@@ -35,7 +35,8 @@ public:
   /// Main memory that it takes at its peak, what software keeps for textures included, in bytes.
   static double bytes(const hbSparseGrid& grid, const hbScene& scene, const Options& options);
 
-  /// One frame, with the channels and the metadata of hbRaycaster::render(). Throws hbCancelled.
+  /// One frame, with the channels and the metadata of hbRaycaster::render(). Throws hbCancelled: `blend` between lots
+  /// of planes, the other forms, which are one draw, before or after it.
   hbPicture render(hbProgress& progress = hbProgress::none());
 
   /// With its camera.
