@@ -146,6 +146,7 @@ struct hbOglRaycaster::Parts {
       return rays.mip(numbers);
     case hbMode::iso:
     case hbMode::dvr:
+    case hbMode::slice:
       break;
     }
     return rays.iso(surfaces(deviceRays, found, numbers, zero));

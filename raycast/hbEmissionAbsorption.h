@@ -5,6 +5,8 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "scene/hbShading.h"
+
 /// What is seen along a ray through matter that emits and absorbs light, front to back.
 ///
 /// The matter of a step is taken as constant: it lets through exp(-extinction length) of what is behind it, and shows
@@ -16,19 +18,20 @@ public:
   static constexpr double kOpaque = 0x1p-10;
 
   /// `matter`: red, green and blue in linear light, and the extinction in 1 / world length; `length`: in the world.
-  void add(const glm::vec4& matter, double length) {
+  void add(const glm::vec4& matter, double length, const hbShading::Reflection& reflection = {}) {
     if (matter.a == 0.0F) return;
     const double through = std::exp(-double(matter.a) * length);
-    colour_ += transmittance_ * (1.0 - through) * glm::dvec3(matter);
+    colour_ += transmittance_ * (1.0 - through) * (glm::dvec3(matter) * reflection.matter + reflection.gloss);
     transmittance_ *= through;
   }
 
   /// A slab that shows `slab` (red, green and blue in linear light, multiplied by the opacity, and the opacity) where
   /// it is as thick as it was integrated for, `thicknesses` times as thick.
-  void addSlab(const glm::vec4& slab, double thicknesses) {
+  void addSlab(const glm::vec4& slab, double thicknesses, const hbShading::Reflection& reflection = {}) {
     if (!(slab.a > 0.0F)) return;
     const double through = std::pow(1.0 - double(slab.a), thicknesses);
-    colour_ += transmittance_ * (1.0 - through) / double(slab.a) * glm::dvec3(slab);
+    const glm::dvec3 colour = glm::dvec3(slab) / double(slab.a);
+    colour_ += transmittance_ * (1.0 - through) * (colour * reflection.matter + reflection.gloss);
     transmittance_ *= through;
   }
 

@@ -39,7 +39,8 @@ void hbPlaneCompositor::add(int index, std::span<const float> values) {
       }
       greatest_[i] = value;
       break;
-    case hbMode::dvr: // hbPlaneRays refuses it
+    case hbMode::dvr: // hbPlaneRays refuses both
+    case hbMode::slice:
       break;
     }
   }
@@ -53,6 +54,7 @@ hbPicture hbPlaneCompositor::finish() const {
     return rays_.mip(greatest_);
   case hbMode::iso:
   case hbMode::dvr:
+  case hbMode::slice:
     break;
   }
   return rays_.iso(shaded());

@@ -23,6 +23,7 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
     throw hbError(fmt::format("component: expected 0 to {}, found {}", field.components() - 1, scene.component));
   if (scene.mode == hbMode::iso && !scene.isoValue) throw hbError("iso: expected an iso-value");
   if (scene.mode == hbMode::dvr) throw hbError("dvr: expected an engine of the ray caster, found one of planes");
+  if (scene.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of planes");
   if (scene.isoValue) iso_ = float(field.valueMap().fromTrue(*scene.isoValue));
   const hbCamera& camera = *scene_.camera;
   planes_ = scene.sampling.planes(field.geometry(), camera);

@@ -20,8 +20,9 @@ struct hbRaySegment {
 
 namespace hb {
 
-/// Clips a ray (from its origin on) to the unit cube of a volume; none where it misses or only touches it.
-/// `worldToCube` is the inverse of hbGeometry::cubeToWorld().
-std::optional<hbRaySegment> clipToCube(const hbRay& ray, const glm::dmat4& worldToCube);
+/// Clips a ray (from its origin on) to the unit cube of a volume, or to a part of it; none where it misses or only
+/// touches it. `worldToCube` is the inverse of hbGeometry::cubeToWorld().
+std::optional<hbRaySegment> clipToCube(const hbRay& ray, const glm::dmat4& worldToCube,
+                                       const glm::dvec3& lo = glm::dvec3(0.0), const glm::dvec3& hi = glm::dvec3(1.0));
 
 } // namespace hb

@@ -11,12 +11,12 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "raycast/hbEmissionAbsorption.h"
+#include "raycast/hbMatter.h"
+#include "raycast/hbMatterRay.h"
+#include "raycast/hbPointBatch.h"
 #include "raycast/hbRaySegment.h"
 #include "raycast/hbSurfaceShader.h"
 #include "scene/hbColorSpace.h"
-#include "scene/hbPreintegration.h"
-#include "scene/hbTransferTable.h"
 #include "volume/hbError.h"
 #include "volume/hbParallel.h"
 
@@ -59,8 +59,7 @@ struct Frame {
 
   std::vector<float>*y, *a, *z = nullptr, *nx = nullptr, *ny = nullptr, *nz = nullptr, *value = nullptr;
   std::array<std::vector<float>*, 3> rgb{};
-  std::optional<hbTransferTable> matter;
-  std::optional<hbPreintegration> slabs; ///< Of one step.
+  std::optional<hbMatter> matter;
 
   Frame(const hbField& f, const hbScene& s, hbPicture& picture)
       : field(f), scene(s), camera(*s.camera), map(f.valueMap()), worldToCube(glm::inverse(f.geometry().cubeToWorld())),
@@ -70,10 +69,7 @@ struct Frame {
     a = &picture.add("A");
     if (s.mode == hbMode::dvr) {
       for (std::size_t c = 0; c < 3; ++c) rgb[c] = &picture.add(std::string(1, "RGB"[c]));
-      if (s.preintegrated)
-        slabs.emplace(integrated(*s.transfer, step));
-      else
-        matter.emplace(*s.transfer);
+      matter.emplace(s, map, step);
     }
     if (s.mode != hbMode::iso) return;
     z = &picture.add("Z", std::numeric_limits<float>::infinity());
@@ -83,12 +79,9 @@ struct Frame {
     value = &picture.add("value");
   }
 
-  /// Over the function's range and a cell more at either end, which what is beyond counts as.
-  static hbPreintegration integrated(const hbTransferFunction& function, double thickness) {
-    constexpr std::size_t kEntries = 1024;
-    const auto [lo, hi] = function.range();
-    const double cell = (hi - lo) / double(kEntries - 3);
-    return {function, lo - cell, hi + cell, thickness, kEntries};
+  std::optional<hbRaySegment> clip(const hbRay& ray) const {
+    const hbScene::ClipBox box = scene.clip.value_or(hbScene::ClipBox{});
+    return hb::clipToCube(ray, worldToCube, box.lo, box.hi);
   }
 
   RaySamples samples(const hbRay& ray, const hbRaySegment& segment) const {
@@ -96,7 +89,8 @@ struct Frame {
     const double count = std::min(std::max(1.0, std::ceil(segment.length() / step)), kMostSamples);
     const double length = segment.length() / count;
     // Iso looks at both ends of every step, integrals and maxima at the midpoints.
-    if (scene.mode == hbMode::iso || slabs) return {segment.enter, length, length, std::int64_t(count) + 1};
+    if (scene.mode == hbMode::iso || (matter && matter->isPreintegrated()))
+      return {segment.enter, length, length, std::int64_t(count) + 1};
     return {segment.enter + 0.5 * length, length, length, std::int64_t(count), length, length};
   }
 
@@ -129,14 +123,17 @@ struct Frame {
 /// Works through the pixels of one tile.
 class Tile {
 public:
-  explicit Tile(const Frame& frame) : frame_(frame) {}
+  explicit Tile(const Frame& frame) : frame_(frame) {
+    if (frame.matter) light_.emplace(frame.field, frame.scene, *frame.matter);
+  }
 
   void pixel(int px, int py) {
     const hbRay ray = frame_.camera.ray(px + 0.5, py + 0.5, frame_.scene.width, frame_.scene.height);
-    const auto segment = hb::clipToCube(ray, frame_.worldToCube);
+    const auto segment = frame_.clip(ray);
     if (!segment) return;
-    const RaySamples samples = frame_.samples(ray, *segment);
     const std::size_t at = std::size_t(px) + std::size_t(frame_.scene.width) * std::size_t(py);
+    if (frame_.scene.mode == hbMode::slice) return meetPlane(ray, *segment, at);
+    const RaySamples samples = frame_.samples(ray, *segment);
     switch (frame_.scene.mode) {
     case hbMode::xray:
       return integrate(*segment, samples, at);
@@ -145,12 +142,17 @@ public:
     case hbMode::iso:
       return findCrossing(ray, *segment, samples, at);
     case hbMode::dvr:
-      return frame_.slabs ? compositeSlabs(*segment, samples, at) : composite(*segment, samples, at);
+      light_->begin(ray, *segment);
+      frame_.matter->isPreintegrated() ? compositeSlabs(*segment, samples) : composite(*segment, samples);
+      return show(light_->finish(), at);
+    case hbMode::slice:
+      break;
     }
   }
 
-  /// Refines and shades the crossings of all pixels, a round of bisection at a time.
+  /// Evaluates what was put off to be done for all pixels at a time.
   void finish() {
+    if (!met_.empty()) showPlane();
     if (crossings_.empty()) return;
     if (frame_.scene.sampling.kind == hbSampling::Kind::equidistant) refine();
     shade();
@@ -193,40 +195,53 @@ private:
     (*frame_.a)[at] = 1.0F;
   }
 
-  void composite(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
-    hbEmissionAbsorption light;
+  void composite(const hbRaySegment& segment, const RaySamples& samples) {
     march(segment, samples, [&](std::int64_t i, float value) {
-      light.add(frame_.matter->at(float(frame_.map.toTrue(value))), samples.share(i));
-      return !light.isOpaque();
+      return light_->add(frame_.matter->at(value), samples.share(i), samples.first + double(i) * samples.step);
     });
-    show(light, at);
   }
 
   /// A slab between each two samples; on planes, what lies before the first and behind the last has their values.
-  void compositeSlabs(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
-    hbEmissionAbsorption light;
-    const auto add = [&](float front, float back, double length) {
-      light.addSlab(frame_.slabs->at(front, back), length / frame_.step);
-    };
+  void compositeSlabs(const hbRaySegment& segment, const RaySamples& samples) {
     float before = 0.0F;
-    march(segment, samples, [&](std::int64_t i, float number) {
-      const auto value = float(frame_.map.toTrue(number));
-      if (i > 0)
-        add(before, value, samples.step);
-      else
-        add(value, value, samples.first - segment.enter);
+    double end = segment.enter;
+    bool isSeen = true;
+    const auto add = [&](float front, float back, double until) {
+      isSeen = light_->add(frame_.matter->slab(front, back), until - end, 0.5 * (end + until));
+      end = until;
+      return isSeen;
+    };
+    march(segment, samples, [&](std::int64_t i, float value) {
+      const float front = i > 0 ? before : value;
       before = value;
-      return !light.isOpaque();
+      return add(front, value, samples.first + double(i) * samples.step);
     });
-    if (samples.count > 0 && !light.isOpaque())
-      add(before, before, segment.leave - samples.first - double(samples.count - 1) * samples.step);
-    show(light, at);
+    if (samples.count > 0 && isSeen) add(before, before, segment.leave);
   }
 
   void show(const hbEmissionAbsorption& light, std::size_t at) {
     for (std::size_t c = 0; c < 3; ++c) (*frame_.rgb[c])[at] = float(light.colour()[int(c)]);
     (*frame_.y)[at] = float(hb::linearToXyz(light.colour()).y);
     (*frame_.a)[at] = float(light.opacity());
+  }
+
+  void meetPlane(const hbRay& ray, const hbRaySegment& segment, std::size_t at) {
+    const hbScene::Plane& plane = *frame_.scene.slice;
+    const double distance =
+        glm::dot(plane.point - ray.origin, plane.normal) / glm::dot(ray.direction, plane.normal); // NaN along it
+    if (!(distance >= segment.enter && distance <= segment.leave)) return;
+    met_.push_back(at);
+    places_.push_back(segment.at(distance));
+  }
+
+  void showPlane() {
+    batch_.clear();
+    for (const glm::dvec3& place : places_) batch_.add(place);
+    batch_.evaluate(frame_.field, frame_.scene.component);
+    for (std::size_t i = 0; i < met_.size(); ++i) {
+      (*frame_.y)[met_[i]] = float(frame_.map.toTrue(batch_.value[i]));
+      (*frame_.a)[met_[i]] = 1.0F;
+    }
   }
 
   void findCrossing(const hbRay& ray, const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
@@ -292,6 +307,9 @@ private:
   const Frame& frame_;
   hbPointBatch batch_;
   std::vector<Crossing> crossings_;
+  std::optional<hbMatterRay> light_;
+  std::vector<std::size_t> met_;   ///< Pixels that see the scene's plane,
+  std::vector<glm::dvec3> places_; ///< and where.
 };
 
 } // namespace
@@ -304,6 +322,7 @@ hbRaycaster::hbRaycaster(const hbField& field, const hbScene& scene) : field_(fi
   if (scene_.mode == hbMode::iso && !scene_.isoValue) throw hbError("iso: expected an iso-value");
   if (scene_.mode == hbMode::dvr && !(scene_.transfer && scene_.transfer->definition().unitLength))
     throw hbError("dvr: expected a transfer function that states its unit length");
+  if (scene_.mode == hbMode::slice && !scene_.slice) throw hbError("slice: expected a plane");
 }
 
 hbPicture hbRaycaster::render(hbProgress& progress) const {

@@ -18,7 +18,8 @@
 /// next one lie on different sides of the iso-value (a value equal to it counts as above); two crossings between two
 /// samples are missed. Equidistant crossings are refined, planewise ones interpolated linearly between the planes, as
 /// the OpenGL path can do no better. DVR composites samples front to back by hbEmissionAbsorption, each for its share
-/// of the ray, or pre-integrated slabs between them, and ends where nothing behind would show.
+/// of the ray, or pre-integrated slabs between them, lit by hbShading in their middles, and ends where nothing behind
+/// would show. A slice has the value where a ray meets the scene's plane.
 class hbRaycaster {
 public:
   /// Iso-surface: so many bisections bracket the crossing to kIsoBracket of a step; then it is placed by linear
@@ -27,15 +28,16 @@ public:
   static constexpr double kIsoBracket = 1.0 / (1 << kIsoRounds);
 
   /// Keeps a reference to `field`. Throws hbError for an invalid scene, a component the field lacks, an iso mode
-  /// without an iso-value, a DVR mode without a transfer function that states its unit length. `scene.magnitude` is not
-  /// looked at: pass an hbMagnitudeField.
+  /// without an iso-value, a DVR mode without a transfer function that states its unit length, a slice without a plane.
+  /// `scene.magnitude` is not looked at: pass an hbMagnitudeField.
   hbRaycaster(const hbField& field, const hbScene& scene);
 
   /// One frame. Channels: "Y" (X-ray: value x world length; MIP: value; iso: shade in [0,1]) and "A" (1 where the ray
   /// meets the volume, or the surface); iso also "Z" (distance along the view axis; infinite where there is no
   /// surface), "N.X/Y/Z" (world normal towards the viewer; its gradient is the central difference over one sample
   /// spacing) and "value" (the field at the crossing). DVR: "R", "G", "B" in linear light, multiplied by the opacity
-  /// "A", and their luminance "Y". All in true data values. Metadata: the scene, with the camera in full.
+  /// "A", and their luminance "Y". Slice: as MIP. All in true data values. Metadata: the scene, with the camera in
+  /// full.
   ///
   /// Threads take tiles; the picture does not depend on their number. Throws hbCancelled.
   hbPicture render(hbProgress& progress = hbProgress::none()) const;

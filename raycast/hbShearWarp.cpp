@@ -42,6 +42,7 @@ hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const O
     throw hbError(fmt::format("component: expected 0 to {}, found {}", grid.components() - 1, with.component));
   if (with.mode == hbMode::iso && !with.isoValue) throw hbError("iso: expected an iso-value");
   if (with.mode == hbMode::dvr) throw hbError("dvr: expected an engine of the ray caster, found one of slices");
+  if (with.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of slices");
   if (options.supersample < 1 || options.supersample > kMostSupersample)
     throw hbError(fmt::format("supersample: expected 1 to {}, found {}", kMostSupersample, options.supersample));
 

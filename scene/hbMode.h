@@ -8,7 +8,8 @@ enum class hbMode : std::uint8_t {
   xray, ///< The line integral of the field, in value x world length.
   mip,  ///< The greatest sample.
   iso,  ///< The first crossing of the iso-value, with Lambertian shading.
-  dvr   ///< Emission and absorption by the transfer function.
+  dvr,  ///< Emission and absorption by the transfer function.
+  slice ///< The value on a plane.
 };
 
 namespace hb {

@@ -51,6 +51,65 @@ hbSampling samplingFromJson(const Json& json, const std::string& place) {
   return sampling;
 }
 
+hbShading shadingFromJson(const Json& json, const std::string& place) {
+  const hbJsonReader reader(json, place, {"ambient", "diffuse", "specular", "shininess", "lights"});
+  hbShading shading;
+  reader.read("ambient", shading.ambient);
+  reader.read("diffuse", shading.diffuse);
+  reader.read("specular", shading.specular);
+  reader.read("shininess", shading.shininess);
+  const Json* lights = reader.find("lights");
+  if (lights == nullptr) return shading;
+  if (!lights->is_array() || lights->size() > hbShading::kMostLights)
+    throw reader.wrong("lights", fmt::format("an array of at most {} objects", hbShading::kMostLights), *lights);
+  for (const Json& one : *lights) {
+    const hbJsonReader light(one, place + ": lights", {"position", "color"});
+    light.require("position");
+    light.read("position", shading.lights.emplace_back().position);
+    light.read("color", shading.lights.back().colour);
+  }
+  return shading;
+}
+
+nlohmann::ordered_json vectorToJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+nlohmann::ordered_json shadingToJson(const hbShading& shading) {
+  nlohmann::ordered_json json{{"ambient", shading.ambient},
+                              {"diffuse", shading.diffuse},
+                              {"specular", shading.specular},
+                              {"shininess", shading.shininess}};
+  for (const hbShading::Light& light : shading.lights)
+    json["lights"].push_back({{"position", vectorToJson(light.position)}, {"color", vectorToJson(light.colour)}});
+  return json;
+}
+
+hbScene::ClipBox clipFromJson(const Json& json, const std::string& place) {
+  const hbJsonReader reader(json, place, {"lo", "hi"});
+  hbScene::ClipBox box;
+  reader.read("lo", box.lo);
+  reader.read("hi", box.hi);
+  return box;
+}
+
+hbScene::Plane planeFromJson(const Json& json, const std::string& place) {
+  const hbJsonReader reader(json, place, {"point", "normal"});
+  hbScene::Plane plane;
+  reader.require("point");
+  reader.require("normal");
+  reader.read("point", plane.point);
+  reader.read("normal", plane.normal);
+  return plane;
+}
+
+std::optional<std::pair<double, double>> pairFromJson(const hbJsonReader& reader, const char* key) {
+  const Json* pair = reader.find(key);
+  if (pair == nullptr) return std::nullopt;
+  if (!pair->is_array() || pair->size() != 2) throw reader.wrong(key, "an array of 2 numbers", *pair);
+  return std::pair(reader.number(key, (*pair)[0]), reader.number(key, (*pair)[1]));
+}
+
+bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
 } // namespace
 
 hbCamera hbScene::cameraFor(const hbGeometry& geometry) const {
@@ -74,6 +133,19 @@ void hbScene::validate(const std::string& what) const {
   if (window && !(std::isfinite(window->first) && std::isfinite(window->second) && window->first < window->second))
     throw hbError(fmt::format("{}: window: expected two finite numbers, the first less than the second, found {}, {}",
                               what, window->first, window->second));
+  if (shading) shading->validate(what + ": shading");
+  if (gradientOpacity && !(gradientOpacity->first >= 0.0 && gradientOpacity->first < gradientOpacity->second &&
+                           std::isfinite(gradientOpacity->second)))
+    throw hbError(
+        fmt::format("{}: gradientOpacity: expected two numbers from 0 on, the first less than the second, found {}, {}",
+                    what, gradientOpacity->first, gradientOpacity->second));
+  if (clip)
+    for (int d = 0; d < 3; ++d)
+      if (!(clip->lo[d] >= 0.0 && clip->lo[d] < clip->hi[d] && clip->hi[d] <= 1.0))
+        throw hbError(fmt::format("{}: clip: expected a box of some size within 0 to 1, found {} to {} along axis {}",
+                                  what, clip->lo[d], clip->hi[d], "xyz"[d]));
+  if (slice && !(isFinite(slice->point) && isFinite(slice->normal) && slice->normal != glm::dvec3(0.0)))
+    throw hbError(what + ": slice: expected a finite point and a finite normal other than 0");
   if (background)
     for (int c = 0; c < 3; ++c)
       if (!((*background)[c] >= 0.0 && (*background)[c] <= 1.0))
@@ -86,15 +158,14 @@ void hbScene::validate(const std::string& what) const {
 
 std::string hb::toJson(const hbScene& scene) {
   scene.validate();
-  const auto vector = [](const glm::dvec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
   nlohmann::ordered_json json;
   json["version"] = kVersion;
   json["mode"] = modeName(scene.mode);
   if (const auto& camera = scene.camera)
     json["camera"] = {{"projection", kProjections[std::size_t(camera->projection)]},
-                      {"position", vector(camera->position)},
-                      {"target", vector(camera->target)},
-                      {"up", vector(camera->up)},
+                      {"position", vectorToJson(camera->position)},
+                      {"target", vectorToJson(camera->target)},
+                      {"up", vectorToJson(camera->up)},
                       {"fieldOfView", camera->fieldOfView},
                       {"height", camera->height}};
   json["sampling"] = {{"kind", kSamplingKinds[std::size_t(scene.sampling.kind)]}, {"samples", scene.sampling.samples}};
@@ -103,7 +174,12 @@ std::string hb::toJson(const hbScene& scene) {
   if (!scene.colormap.empty()) json["colormap"] = scene.colormap;
   if (scene.transfer) json["transfer"] = nlohmann::ordered_json::parse(toJson({&*scene.transfer, 1}))[0];
   if (scene.preintegrated) json["preintegrated"] = true;
-  if (scene.background) json["background"] = vector(*scene.background);
+  if (scene.shading) json["shading"] = shadingToJson(*scene.shading);
+  if (scene.gradientOpacity) json["gradientOpacity"] = {scene.gradientOpacity->first, scene.gradientOpacity->second};
+  if (scene.clip) json["clip"] = {{"lo", vectorToJson(scene.clip->lo)}, {"hi", vectorToJson(scene.clip->hi)}};
+  if (scene.slice)
+    json["slice"] = {{"point", vectorToJson(scene.slice->point)}, {"normal", vectorToJson(scene.slice->normal)}};
+  if (scene.background) json["background"] = vectorToJson(*scene.background);
   json["component"] = scene.component;
   json["magnitude"] = scene.magnitude;
   json["width"] = scene.width;
@@ -115,7 +191,8 @@ hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
   const Json json = hb::parseJson(text, name);
   const hbJsonReader reader(json, name,
                             {"version", "mode", "camera", "sampling", "isoValue", "window", "colormap", "transfer",
-                             "preintegrated", "background", "component", "magnitude", "width", "height"});
+                             "preintegrated", "shading", "gradientOpacity", "clip", "slice", "background", "component",
+                             "magnitude", "width", "height"});
   int version = 0;
   reader.require("version");
   reader.read("version", version);
@@ -124,22 +201,23 @@ hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
   hbScene scene;
   std::string mode(modeName(scene.mode));
   reader.read("mode", mode);
-  if (mode != "xray" && mode != "mip" && mode != "iso" && mode != "dvr")
-    throw reader.wrong("mode", "xray, mip, iso or dvr", *reader.find("mode"));
+  if (mode != "xray" && mode != "mip" && mode != "iso" && mode != "dvr" && mode != "slice")
+    throw reader.wrong("mode", "xray, mip, iso, dvr or slice", *reader.find("mode"));
   scene.mode = modeFromName(mode);
   if (const Json* camera = reader.find("camera")) scene.camera = cameraFromJson(*camera, name + ": camera");
   if (const Json* sampling = reader.find("sampling")) scene.sampling = samplingFromJson(*sampling, name + ": sampling");
   if (const Json* value = reader.find("isoValue")) scene.isoValue = reader.number("isoValue", *value);
-  if (const Json* window = reader.find("window")) {
-    if (!window->is_array() || window->size() != 2) throw reader.wrong("window", "an array of 2 numbers", *window);
-    scene.window.emplace(reader.number("window", (*window)[0]), reader.number("window", (*window)[1]));
-  }
+  scene.window = pairFromJson(reader, "window");
   reader.read("colormap", scene.colormap);
   if (const Json* transfer = reader.find("transfer")) {
     if (!transfer->is_object()) throw reader.wrong("transfer", "an object", *transfer);
     scene.transfer = transferFunctionsFromJson(transfer->dump(), name + ": transfer").front();
   }
   reader.read("preintegrated", scene.preintegrated);
+  if (const Json* shading = reader.find("shading")) scene.shading = shadingFromJson(*shading, name + ": shading");
+  scene.gradientOpacity = pairFromJson(reader, "gradientOpacity");
+  if (const Json* clip = reader.find("clip")) scene.clip = clipFromJson(*clip, name + ": clip");
+  if (const Json* slice = reader.find("slice")) scene.slice = planeFromJson(*slice, name + ": slice");
   if (reader.find("background") != nullptr) reader.read("background", scene.background.emplace());
   reader.read("component", scene.component);
   reader.read("magnitude", scene.magnitude);

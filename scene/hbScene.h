@@ -8,12 +8,25 @@
 #include "scene/hbCamera.h"
 #include "scene/hbMode.h"
 #include "scene/hbSampling.h"
+#include "scene/hbShading.h"
 #include "scene/hbTransferFunction.h"
 #include "volume/hbGeometry.h"
 
 /// What is looked at and what is seen. What is left empty is chosen from the volume or the picture.
 struct hbScene {
   static constexpr int kMaxPictureSide = 16384;
+
+  /// A part of the volume's cube, lo < hi in each axis, within [0,1].
+  struct ClipBox {
+    glm::dvec3 lo{0.0}, hi{1.0};
+    bool operator==(const ClipBox&) const = default;
+  };
+  /// A plane of the world.
+  struct Plane {
+    glm::dvec3 point{0.0};
+    glm::dvec3 normal{0.0, 0.0, 1.0}; ///< Of any length but 0.
+    bool operator==(const Plane&) const = default;
+  };
 
   hbMode mode = hbMode::xray;
   std::optional<hbCamera> camera; ///< None: the whole volume from the default angle, see cameraFor().
@@ -23,7 +36,13 @@ struct hbScene {
   std::string colormap;                            ///< One of hbColormap::names(); "": the mode's default.
   std::optional<hbTransferFunction> transfer;      ///< The mode dvr's, over the data's own values.
   bool preintegrated = false;                      ///< DVR: whole slabs between samples, see hbPreintegration.
-  std::optional<glm::dvec3> background;            ///< Coded sRGB, channels in [0,1]; none: a dark gray.
+  std::optional<hbShading> shading;                ///< DVR: how light is reflected; none: colours as they are.
+  /// DVR: gradients, in true values per world length, up to which nothing is seen and from which on all is, at least 0
+  /// and the first less than the second; in between extinction grows linearly.
+  std::optional<std::pair<double, double>> gradientOpacity;
+  std::optional<ClipBox> clip;          ///< What of the volume is seen; the step and the planes are those of all of it.
+  std::optional<Plane> slice;           ///< The mode slice's.
+  std::optional<glm::dvec3> background; ///< Coded sRGB, channels in [0,1]; none: a dark gray.
   int component = 0;
   bool magnitude = false;        ///< Show the Euclidean length of all components instead of one of them.
   int width = 512, height = 512; ///< Of the picture in pixels, 1 to kMaxPictureSide.

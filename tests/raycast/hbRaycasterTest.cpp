@@ -1,16 +1,19 @@
 #include "raycast/hbRaycaster.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <rapidcheck/gtest.h>
 
+#include "raycast/hbRaySegment.h"
 #include "sparsegrid/hbCombinationSparseGrid.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
 #include "tests/sparsegrid/hbTestSets.h"
@@ -328,6 +331,70 @@ TEST(hbRaycaster, PlanewiseIsoInterpolatesBetweenThePlanes) {
       8.0 * 0x1p-23); // the field rises by 1 a unit here: a few roundings of values below 1, one of a depth below 4
 }
 
+// In X-rays of 1, lengths are what is left of rays; on planes, as many as are left.
+TEST(hbRaycaster, AClipBoxIsWhatIsSeen) {
+  const hbGeometry g = obliqueGeometry();
+  const FunctionField field(g, [](const glm::dvec3&) { return 1.0; });
+  hbScene scene = sceneOf(hbMode::xray);
+  scene.clip = {{0.0, 0.25, 0.1}, {1.0, 0.75, 0.6}};
+  scene.sampling.samples = 400;
+  const glm::dmat4 toCube = glm::inverse(g.cubeToWorld());
+  for (const auto kind : {hbSampling::Kind::equidistant, hbSampling::Kind::planewise}) {
+    scene.sampling.kind = kind;
+    const hbPicture picture = hbRaycaster(field, scene).render();
+    const double step = scene.sampling.stepLength(g, scene.cameraFor(g));
+    int seen = 0;
+    for (int y = 0; y < scene.height; ++y)
+      for (int x = 0; x < scene.width; ++x) {
+        const hbRay ray = scene.cameraFor(g).ray(x + 0.5, y + 0.5, scene.width, scene.height);
+        const auto in = hb::clipToCube(ray, toCube, scene.clip->lo, scene.clip->hi);
+        if (in)
+          for (int d = 0; d < 3; ++d) { // its ends lie in the box
+            EXPECT_NEAR(in->at(in->enter)[d], std::clamp(in->at(in->enter)[d], scene.clip->lo[d], scene.clip->hi[d]),
+                        1e-9);
+            EXPECT_NEAR(in->at(in->leave)[d], std::clamp(in->at(in->leave)[d], scene.clip->lo[d], scene.clip->hi[d]),
+                        1e-9);
+          }
+        const double length = in ? in->length() : 0.0;
+        // Planes: one more or less, at an angle of up to 45 degrees to the view axis.
+        const double tolerance = kind == hbSampling::Kind::planewise ? 1.5 * step : 1e-6 * length;
+        EXPECT_NEAR(channel(picture, "Y")[std::size_t(x + scene.width * y)], length, tolerance) << x << " " << y;
+        seen += length > 0.0;
+      }
+    EXPECT_GT(seen, 50);
+    hbScene whole = scene;
+    whole.clip.reset();
+    EXPECT_GT(std::ranges::count(channel(hbRaycaster(field, whole).render(), "A"), 1.0F), seen);
+  }
+}
+
+TEST(hbRaycaster, ASliceIsTheFieldOnItsPlane) {
+  const hbGeometry g = obliqueGeometry();
+  const FunctionField field(g, [](const glm::dvec3& p) { return 1.0 + p.x + 2.0 * p.y + 4.0 * p.z; });
+  hbScene scene = sceneOf(hbMode::slice);
+  const glm::dmat4 world = g.cubeToWorld();
+  scene.slice = {glm::dvec3(world * glm::dvec4(0.5, 0.5, 0.5, 1.0)), {1.0, -2.0, 0.5}};
+  const hbPicture picture = hbRaycaster(field, scene).render();
+  int seen = 0;
+  for (int y = 0; y < scene.height; ++y)
+    for (int x = 0; x < scene.width; ++x) {
+      const hbRay ray = scene.cameraFor(g).ray(x + 0.5, y + 0.5, scene.width, scene.height);
+      const double way =
+          glm::dot(scene.slice->point - ray.origin, scene.slice->normal) / glm::dot(ray.direction, scene.slice->normal);
+      const glm::dvec3 p(glm::inverse(world) * glm::dvec4(ray.origin + way * ray.direction, 1.0));
+      const bool isIn = way > 0.0 && p == glm::clamp(p, 0.0, 1.0);
+      const std::size_t i = std::size_t(x + scene.width * y);
+      EXPECT_EQ(channel(picture, "A")[i], isIn ? 1.0F : 0.0F) << x << " " << y;
+      // Coordinates and the value are rounded to floats: 7 2^-25 and 8 2^-24.
+      EXPECT_NEAR(channel(picture, "Y")[i], isIn ? 1.0 + p.x + 2.0 * p.y + 4.0 * p.z : 0.0, 1e-6) << x << " " << y;
+      seen += isIn;
+    }
+  EXPECT_GT(seen, 50);
+  scene.slice->normal = scene.cameraFor(g).viewAxis();
+  scene.slice->point = scene.cameraFor(g).position; // behind everything
+  for (const float a : channel(hbRaycaster(field, scene).render(), "A")) EXPECT_EQ(a, 0.0F);
+}
+
 TEST(hbRaycaster, EveryEngineGivesTheSamePictures) {
   const hbIndexSet set = hbIndexSet::regular(5, {});
   const hbSparseGrid grid =
@@ -377,6 +444,7 @@ TEST(hbRaycaster, KeepsTheSceneWithItsCamera) {
 TEST(hbRaycaster, RefusesWhatItCannotDraw) {
   const auto field = hbAnalyticField::create("smooth,size=5");
   EXPECT_THROW(hbRaycaster(*field, sceneOf(hbMode::iso)), hbError); // no iso-value
+  EXPECT_THROW(hbRaycaster(*field, sceneOf(hbMode::slice)), hbError); // no plane
   hbScene scene = sceneOf(hbMode::xray);
   scene.component = 1;
   EXPECT_THROW(hbRaycaster(*field, scene), hbError);

@@ -5,7 +5,7 @@
 #include "volume/hbError.h"
 
 TEST(hbMode, NamesRoundTrip) {
-  for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso, hbMode::dvr})
+  for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso, hbMode::dvr, hbMode::slice})
     EXPECT_EQ(hb::modeFromName(hb::modeName(mode)), mode);
 }
 

@@ -27,6 +27,12 @@ hbScene everythingSet() {
   scene.colormap = "cubehelix";
   scene.transfer = hbTransferFunction::preset("ct-bone").withUnitLength(1.0 / 3.0);
   scene.preintegrated = true;
+  scene.shading.emplace();
+  scene.shading->specular = 1.0 / 7.0;
+  scene.shading->lights = {{{1.0, -2.0, 1.0 / 3.0}, {1.0, 0.5, 0.25}}, {{0.0, 0.0, 9.0}}};
+  scene.gradientOpacity = {0.1, 1e9};
+  scene.clip = {{0.1, 0.0, 0.0}, {1.0, 1.0 / 3.0, 1.0}};
+  scene.slice = {{0.1, 0.2, 0.3}, {0.0, -1.0, 1e-5}};
   scene.background = {0.1, 1.0, 1.0 / 3.0};
   scene.component = 2;
   scene.magnitude = true;
@@ -85,9 +91,9 @@ TEST(hbScene, ErrorsNameTheFileAndTheKey) {
       {R"({"version": 2})", "s.json: version: expected 1, found 2"},
       {R"({"version": 1, "colour": 3})",
        "s.json: colour: unknown key; known are version, mode, camera, sampling, "
-       "isoValue, window, colormap, transfer, preintegrated, background, component, magnitude, "
-       "width, height"},
-      {R"({"version": 1, "mode": "best"})", "s.json: mode: expected xray, mip, iso or dvr, found \"best\""},
+       "isoValue, window, colormap, transfer, preintegrated, shading, gradientOpacity, clip, slice, background, "
+       "component, magnitude, width, height"},
+      {R"({"version": 1, "mode": "best"})", "s.json: mode: expected xray, mip, iso, dvr or slice, found \"best\""},
       {R"({"version": 1, "mode": 3})", "s.json: mode: expected a string, found 3"},
       {R"({"version": 1, "width": 0})", "s.json: width: expected 1 to 16384, found 0"},
       {R"({"version": 1, "height": 16385})", "s.json: height: expected 1 to 16384, found 16385"},
@@ -106,6 +112,20 @@ TEST(hbScene, ErrorsNameTheFileAndTheKey) {
       {R"({"version": 1, "sampling": {"kind": "random"}})",
        "s.json: sampling: kind: expected equidistant or planewise, found \"random\""},
       {R"({"version": 1, "sampling": {"samples": -1}})", "s.json: sampling: samples: expected 0 to 1048576, found -1"},
+      {R"({"version": 1, "shading": {"light": []}})",
+       "s.json: shading: light: unknown key; known are ambient, diffuse, specular, shininess, lights"},
+      {R"({"version": 1, "shading": {"ambient": -1}})", "s.json: shading: ambient: expected 0 to 1000, found -1"},
+      {R"({"version": 1, "shading": {"lights": {}}})",
+       "s.json: shading: lights: expected an array of at most 8 objects, found an object"},
+      {R"({"version": 1, "shading": {"lights": [{"color": [1, 1, 1]}]}})",
+       "s.json: shading: lights: position: expected, but missing"},
+      {R"({"version": 1, "gradientOpacity": [2, 1]})",
+       "s.json: gradientOpacity: expected two numbers from 0 on, the first less than the second, found 2, 1"},
+      {R"({"version": 1, "clip": {"lo": [0, 0.5, 0], "hi": [1, 0.5, 1]}})",
+       "s.json: clip: expected a box of some size within 0 to 1, found 0.5 to 0.5 along axis y"},
+      {R"({"version": 1, "slice": {"point": [0, 0, 0]}})", "s.json: slice: normal: expected, but missing"},
+      {R"({"version": 1, "slice": {"point": [0, 0, 0], "normal": [0, 0, 0]}})",
+       "s.json: slice: expected a finite point and a finite normal other than 0"},
       {R"({"version": 1, "sampling": 5})", "s.json: sampling: expected an object, found 5"},
       {R"({"version": 1, "camera": {"target": [0, 0, 0]}})", "s.json: camera: position: expected, but missing"},
       {R"({"version": 1, "camera": {"position": [0, 0], "target": [0, 0, 0]}})",
@@ -137,6 +157,9 @@ TEST(hbScene, RefusesToWriteWhatItWouldNotRead) {
   EXPECT_THROW(hb::toJson(with([&](auto& s) { s.isoValue = std::nan(""); })), hbError);
   EXPECT_THROW(hb::toJson(with([&](auto& s) { s.window = {0.0, kInf}; })), hbError);
   EXPECT_THROW(hb::toJson(with([&](auto& s) { s.width = 0; })), hbError);
+  EXPECT_THROW(hb::toJson(with([&](auto& s) { s.gradientOpacity = {0.0, kInf}; })), hbError);
+  EXPECT_THROW(hb::toJson(with([&](auto& s) { s.clip->lo.z = -0.1; })), hbError);
+  EXPECT_THROW(hb::toJson(with([&](auto& s) { s.slice->point.z = kInf; })), hbError);
   EXPECT_THROW(hb::toJson(with([&](auto& s) { s.colormap = "jet"; })), hbError);
   EXPECT_THROW(hb::toJson(with([&](auto& s) { s.sampling.samples = hbSampling::kMaxSamples + 1; })), hbError);
   EXPECT_THROW(hb::toJson(with([&](auto& s) { s.camera->height = -1; })), hbError);

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+
+#include "scene/hbPreintegration.h"
+#include "scene/hbScene.h"
+#include "scene/hbTransferTable.h"
+#include "volume/hbValueMap.h"
+
+/// What the matter of a DVR scene is at the values of a field, in the form that is fast to look up. It belongs to one
+/// scene and step.
+class hbMatter {
+public:
+  /// `scene` has a transfer function that states its unit length. `step`: the world length between two samples, which
+  /// pre-integrated slabs are made for.
+  hbMatter(const hbScene& scene, const hbValueMap& map, double step);
+
+  /// Whether rays add up slabs between samples, by slab(), or pieces around samples, by at().
+  bool isPreintegrated() const { return slabs_.has_value(); }
+
+  /// At a field value: hbTransferTable::at().
+  glm::vec4 at(float value) const { return table_->at(float(map_.toTrue(value))); }
+  /// Of a slab one step thick between two field values: hbPreintegration::at().
+  glm::vec4 slab(float front, float back) const {
+    return slabs_->at(float(map_.toTrue(front)), float(map_.toTrue(back)));
+  }
+  double step() const { return step_; }
+
+  /// How much of its extinction matter has by scene.gradientOpacity, for a gradient of this length in field values.
+  double shownBy(double gradient) const;
+
+private:
+  hbValueMap map_;
+  double step_;
+  std::optional<hbTransferTable> table_;
+  std::optional<hbPreintegration> slabs_;
+  std::optional<std::pair<double, double>> gradientOpacity_;
+};
