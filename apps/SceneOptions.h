@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/MatterOptions.h"
 #include "scene/hbScene.h"
 
 namespace CLI {
@@ -13,10 +14,9 @@ namespace app {
 
 /// The options of `render` that say what is looked at and how.
 struct SceneOptions {
-  std::string file, mode, size, camera, projection, window, colormap, component, sampling, transfer, transferRange,
-      background;
-  std::optional<double> azimuth, elevation, zoom, iso, unitLength;
-  bool preintegrate = false;
+  std::string file, mode, size, camera, projection, window, colormap, component, sampling, background, clip, slice;
+  std::optional<double> azimuth, elevation, zoom, iso;
+  MatterOptions matter;
   int samples = 0;
 
   void addTo(CLI::App& subcommand);
@@ -25,8 +25,8 @@ struct SceneOptions {
   hbScene scene(const hbGeometry& geometry) const;
 
 private:
-  /// The transfer function that the options ask for, on top of the scene's.
-  std::optional<hbTransferFunction> transferFunction(std::optional<hbTransferFunction> known) const;
+  /// Gives the scene the plane that --slice asks for.
+  void cut(hbScene& scene, const hbGeometry& geometry) const;
   /// Gives the scene a camera: --camera, or a framing by the angles, or its own; then the zoom.
   void place(hbScene& scene, const hbGeometry& geometry) const;
 };

@@ -52,7 +52,10 @@ hbTransferFunction hb::transferFor(const std::optional<hbTransferFunction>& aske
   hbTransferFunction function = asked ? *asked : hbTransferFunction::preset("density");
   if (function.definition().relative) {
     auto [lo, hi] = shownRange(histogram);
-    if (function.definition().colorSpace == hbTransferFunction::ColorSpace::diverging && lo < 0.0 && hi > 0.0) {
+    // What begins at about 0 goes away from it to one side alone.
+    constexpr double kAbout = 0.1;
+    if (function.definition().colorSpace == hbTransferFunction::ColorSpace::diverging && lo < kAbout * hi &&
+        hi > kAbout * lo) {
       hi = std::max(-lo, hi);
       lo = -hi;
     }

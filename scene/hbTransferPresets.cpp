@@ -86,16 +86,16 @@ Definition simulation() {
           .relative = true};
 }
 
-// Brighter is more: cubehelix without its blackest part.
+// Brighter is more, from deep water to ivory; the hue turns steadily with it.
 Definition density() {
-  constexpr int kPieces = 32;
-  const hbColormap map("cubehelix");
-  Definition d{.opacities = {{0.0, 0.0}, {0.05, 0.0}, {1.0, 0.5}}, .relative = true};
-  for (int i = 0; i <= kPieces; ++i) {
-    const double t = double(i) / kPieces;
-    d.colors.push_back({t, map.rgb(0.15 + 0.85 * t)});
-  }
-  return d;
+  return {.colorSpace = ColorSpace::lab,
+          .colors = {{0.0, {0.09, 0.12, 0.32}},
+                     {0.25, {0.12, 0.36, 0.55}},
+                     {0.5, {0.20, 0.62, 0.65}},
+                     {0.75, {0.70, 0.84, 0.68}},
+                     {1.0, {1.0, 0.97, 0.86}}},
+          .opacities = {{0.0, 0.0}, {0.05, 0.0}, {1.0, 0.5}},
+          .relative = true};
 }
 
 // Smoke, embers, flames.

@@ -86,7 +86,7 @@ TEST_F(render, ColourAndOpacityAgreeAmongEngines) {
                      "0.1", "--save-scene", "scene.json"}));
   // A ray shorter than 2 has an optical depth of at most 20 times that of density's 0.5, and a value's error (as in
   // EnginesAgree, without the length) changes the depth by the slope of -ln(1 - opacity), at most 0.53 / 0.5, and
-  // colours by that of cubehelix, below 8 in linear light.
+  // colours by less than 8 in linear light.
   const double value = 31 * 2 * 12 * 2 * 0x1p-24;
   for (const char* other : {"combination.exr", "seminodal.exr"})
     EXPECT_LT(run({"diff", "direct.exr", other, "--json"}).json()["max"].get<double>(), value * (20 * 1.06 + 8))
@@ -123,6 +123,74 @@ TEST_F(render, ColourAndOpacityNeedNoOptions) {
   EXPECT_GT(greatest("R"), 0.5F);
 }
 
+TEST_F(render, LightsMatter) {
+  const auto drawn = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", "field:hydrogen,size=33", "r.exr", "--mode", "dvr", "--size", "20x20"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_RUNS(run(arguments));
+    return picture("r.exr").channels;
+  };
+  const auto plain = drawn({}), lit = drawn({"--shade", "--save-scene", "scene.json"});
+  EXPECT_NE(lit.at("R"), plain.at("R"));
+  EXPECT_EQ(lit.at("A"), plain.at("A"));
+  EXPECT_EQ(hb::loadScene(folder_ / "scene.json").shading, hbShading{});
+  EXPECT_EQ(drawn({"--scene", "scene.json"}), lit);
+  EXPECT_EQ(drawn({"--scene", "scene.json", "--no-shade"}), plain);
+  // By ambient light alone, colours are what they are.
+  EXPECT_EQ(drawn({"--shading", "1,0,0,1"}), plain);
+  drawn({"--light", "1,2,3", "--light", "0,0,9,1,0.5,0", "--save-scene", "scene.json"});
+  EXPECT_EQ(hb::loadScene(folder_ / "scene.json").shading->lights,
+            (std::vector<hbShading::Light>{{{1, 2, 3}}, {{0, 0, 9}, {1.0, 0.5, 0.0}}}));
+  const auto borders = drawn({"--gradient-opacity", "0,1e6"});
+  EXPECT_LT(*std::ranges::max_element(borders.at("A")), *std::ranges::max_element(plain.at("A")));
+}
+
+TEST_F(render, CutsVolumes) {
+  EXPECT_RUNS(run({"render", "field:ball,size=33", "r.exr", "--size", "20x20"}));
+  const std::ptrdiff_t whole = covered(picture("r.exr"));
+  EXPECT_RUNS(run({"render", "field:ball,size=33", "r.exr", "--size", "20x20", "--clip", "0,1,0.25,0.75,0,0.5"}));
+  EXPECT_GT(covered(picture("r.exr")), 20);
+  EXPECT_LT(covered(picture("r.exr")), whole);
+}
+
+// Each fills the picture but for a margin of 1 % on either side, seen from the front: to the right and upwards values
+// grow as they should.
+TEST_F(render, SlicesVolumes) {
+  writeVolume<float>("v.nrrd", {5, 9, 7}, 1,
+                     [](std::int64_t x, std::int64_t y, std::int64_t z, int) { return float(x + 10 * y + 100 * z); });
+  const struct {
+    const char *plane, *size;
+    double middle, right, up; // the value in the middle, and what it grows by over the slice
+  } cases[] = {{"x:0.25", "80x60", 341.0, 80.0, 600.0},
+               {"y:1", "40x60", 382.0, -4.0, 600.0},
+               {"z:0.5", "40x80", 342.0, 4.0, 80.0},
+               {"2,8,3,0,-1,0", "40x60", 382.0, 4.0, 600.0}};
+  for (const auto& c : cases) {
+    EXPECT_RUNS(run({"render", "v.nrrd", "r.exr", "--slice", c.plane, "--size", c.size}));
+    const hbPicture made = picture("r.exr");
+    const std::vector<float>& y = *made.find("Y");
+    const auto at = [&](int px, int py) { return double(y[std::size_t(px + made.width * py)]); };
+    // The picture is 1.02 times as large as the slice, and even, so the middle lies between pixels.
+    const double stepRight = c.right * 1.02 / made.width, stepUp = c.up * 1.02 / made.height;
+    const int px = made.width / 2, py = made.height / 2;
+    EXPECT_NEAR(at(px, py), c.middle + 0.5 * stepRight - 0.5 * stepUp, 1e-3) << c.plane;
+    EXPECT_NEAR(at(px + 1, py) - at(px, py), stepRight, 1e-3) << c.plane;
+    EXPECT_NEAR(at(px, py) - at(px, py + 1), stepUp, 1e-3) << c.plane;
+    const auto inside = [](int pixels) { return 2 * int(0.5 * pixels / 1.02 + 0.5); };
+    EXPECT_EQ(covered(made), inside(made.width) * inside(made.height)) << c.plane;
+  }
+  expectFailureLeavesAll({"render", "v.nrrd", "x.exr", "--slice", "x:1.5"}, 1, "--slice: expected a fraction");
+  expectFailureLeavesAll({"render", "v.nrrd", "x.exr", "--slice", "0,0,0,0,0,0"}, 1, "slice: expected a finite point");
+  expectFailureLeavesAll({"render", "v.nrrd", "x.exr", "--slice", "w:0"}, 1, "--slice");
+  expectFailureLeavesAll({"render", "v.nrrd", "x.exr", "--mode", "slice"}, 1, "--mode slice: expected --slice");
+  expectFailureLeavesAll({"render", "v.nrrd", "x.exr", "--mode", "iso", "--slice", "x:0"}, 1,
+                         "--slice: expected --mode slice or none, found iso");
+  EXPECT_RUNS(run({"compress", "field:ball", "b.hbv", "--level", "2"}));
+  for (const char* engine : {"lattice", "opengl"})
+    expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", engine, "--slice", "x:0"}, 1,
+                           "slice: expected an engine of the ray caster");
+}
+
 TEST_F(render, RefusesWrongColoursAndOpacities) {
   EXPECT_RUNS(run({"compress", "field:ball", "b.hbv", "--level", "2"}));
   const auto refused = [&](const std::vector<std::string>& more, int code, std::string_view words) {
@@ -130,6 +198,15 @@ TEST_F(render, RefusesWrongColoursAndOpacities) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     expectFailureLeavesAll(arguments, code, words);
   };
+  refused({"--light", "1,2"}, 1, "--light: expected");
+  refused({"--light", "1,2,3,4"}, 1, "--light: expected a place and perhaps a colour");
+  refused({"--light", "1,2,3,-1,0,0"}, 1, "shading: lights: color");
+  refused({"--shading", "1,1,1"}, 1, "--shading: expected");
+  refused({"--shading", "1,1,1,-1"}, 1, "shininess");
+  refused({"--no-shade", "--shade"}, 1, "--no-shade");
+  refused({"--gradient-opacity", "2,1"}, 1, "gradientOpacity");
+  refused({"--clip", "0,1,0,1,1,0"}, 1, "clip: expected a box");
+  refused({"--clip", "0,1"}, 1, "--clip");
   refused({"--transfer", "none.json"}, 1, "--transfer: expected a file or one of ct-bone");
   refused({"--transfer", "none.json:bone"}, 1, "none.json");
   write("bad.json", "[{}]");

@@ -79,6 +79,18 @@ TEST(hbSceneDefaults, TransferFunctionsAreStretchedAndGetAUnit) {
   const auto [lo, hi] = hb::transferFor(hbTransferFunction::preset("simulation"), histogram, geometry).range();
   EXPECT_EQ(lo, -hi);
   EXPECT_EQ(hi, hb::shownRange(histogram).second);
+  // Values from about 0 on go one way from the middle.
+  for (const float sign : {1.0F, -1.0F}) {
+    std::vector<float> oneSided;
+    for (int i = 0; i <= 1000; ++i) oneSided.push_back(sign * float(i));
+    const auto range =
+        hb::transferFor(hbTransferFunction::preset("simulation"), histogramOf(oneSided), geometry).range();
+    EXPECT_EQ(range.first, -range.second);
+    EXPECT_GT(range.second, 900.0);
+    for (float& value : oneSided) value += sign * 1000.0F;
+    const auto far = hb::transferFor(hbTransferFunction::preset("simulation"), histogramOf(oneSided), geometry).range();
+    EXPECT_GT(far.first * far.second, 0.0);
+  }
   // What says its own range and unit keeps them.
   const hbTransferFunction own = hbTransferFunction::preset("ct-bone").withUnitLength(3.0);
   EXPECT_EQ(hb::transferFor(own, histogram, geometry), own);
