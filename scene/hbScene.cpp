@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "scene/hbCameraJson.h"
 #include "scene/hbColormap.h"
 #include "scene/hbJsonReader.h"
 #include "scene/hbTextFile.h"
@@ -18,6 +19,7 @@
 #include "volume/hbError.h"
 
 using Json = nlohmann::json;
+using hb::vectorToJson;
 
 namespace {
 
@@ -25,23 +27,7 @@ constexpr int kVersion = 1;
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 20;
 
 // The names in JSON, in the order of the enumerators.
-constexpr std::array<std::string_view, 2> kProjections{"orthographic", "perspective"};
 constexpr std::array<std::string_view, 2> kSamplingKinds{"equidistant", "planewise"};
-
-hbCamera cameraFromJson(const Json& json, const std::string& place) {
-  const hbJsonReader reader(json, place, {"projection", "position", "target", "up", "fieldOfView", "height"});
-  hbCamera camera;
-  reader.require("position");
-  reader.require("target");
-  reader.read("projection", camera.projection, kProjections);
-  if (camera.projection == hbCamera::Projection::orthographic) reader.require("height");
-  reader.read("position", camera.position);
-  reader.read("target", camera.target);
-  reader.read("up", camera.up);
-  reader.read("fieldOfView", camera.fieldOfView);
-  reader.read("height", camera.height);
-  return camera;
-}
 
 hbSampling samplingFromJson(const Json& json, const std::string& place) {
   const hbJsonReader reader(json, place, {"kind", "samples"});
@@ -70,8 +56,6 @@ hbShading shadingFromJson(const Json& json, const std::string& place) {
   }
   return shading;
 }
-
-nlohmann::ordered_json vectorToJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 nlohmann::ordered_json shadingToJson(const hbShading& shading) {
   nlohmann::ordered_json json{{"ambient", shading.ambient},
@@ -161,13 +145,7 @@ std::string hb::toJson(const hbScene& scene) {
   nlohmann::ordered_json json;
   json["version"] = kVersion;
   json["mode"] = modeName(scene.mode);
-  if (const auto& camera = scene.camera)
-    json["camera"] = {{"projection", kProjections[std::size_t(camera->projection)]},
-                      {"position", vectorToJson(camera->position)},
-                      {"target", vectorToJson(camera->target)},
-                      {"up", vectorToJson(camera->up)},
-                      {"fieldOfView", camera->fieldOfView},
-                      {"height", camera->height}};
+  if (scene.camera) json["camera"] = cameraToJson(*scene.camera);
   json["sampling"] = {{"kind", kSamplingKinds[std::size_t(scene.sampling.kind)]}, {"samples", scene.sampling.samples}};
   if (scene.isoValue) json["isoValue"] = *scene.isoValue;
   if (scene.window) json["window"] = {scene.window->first, scene.window->second};
