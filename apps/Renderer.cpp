@@ -17,6 +17,7 @@ public:
   RaycastRenderer(const hbField& field, const hbScene& scene) : raycaster_(field, scene) {}
 
   hbPicture render() override { return raycaster_.render(app::progress()); }
+  void look(const hbCamera& camera) override { raycaster_.look(camera); }
   const hbScene& scene() const override { return raycaster_.scene(); }
   void describe(nlohmann::ordered_json& statistics) const override {
     statistics["sampling"] = scene().sampling.kind == hbSampling::Kind::planewise ? "planewise" : "equidistant";
@@ -32,6 +33,7 @@ public:
       : supersample_(supersample), shearWarp_(grid, scene, {supersample}) {}
 
   hbPicture render() override { return shearWarp_.render(app::progress()); }
+  void look(const hbCamera& camera) override { shearWarp_.look(camera); }
   const hbScene& scene() const override { return shearWarp_.scene(); }
   double bytes() const { return shearWarp_.bytes(); }
   void describe(nlohmann::ordered_json& statistics) const override {
@@ -52,6 +54,7 @@ public:
         raycaster_(*context_, grid, scene, options.raycaster(true)) {}
 
   hbPicture render() override { return raycaster_.render(app::progress()); }
+  void look(const hbCamera& camera) override { raycaster_.look(camera); }
   const hbScene& scene() const override { return raycaster_.scene(); }
   void describe(nlohmann::ordered_json& statistics) const override {
     statistics["sampling"] = "planewise";

@@ -33,6 +33,8 @@ public:
 
   virtual ~Renderer() = default;
   virtual hbPicture render() = 0;
+  /// From now on from there; what does not depend on that is kept. Throws hbError for a camera that is not valid.
+  virtual void look(const hbCamera& camera) = 0;
   /// With its camera.
   virtual const hbScene& scene() const = 0;
   /// Adds to the statistics what is particular to this way.

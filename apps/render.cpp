@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,56 +10,46 @@
 #include <oneapi/tbb/info.h>
 
 #include "apps/MemoryMonitor.h"
+#include "apps/PictureSeries.h"
 #include "apps/Program.h"
 #include "apps/Renderer.h"
 #include "apps/SceneOptions.h"
 #include "raycast/hbSceneDefaults.h"
 #include "raycast/hbShearWarp.h"
-#include "scene/hbDisplay.h"
-#include "scene/hbPictureFile.h"
 #include "volume/hbError.h"
 #include "volume/hbMagnitudeField.h"
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 struct Options {
   app::InputOptions input;
   app::SceneOptions scene;
   std::string out, engine = "auto", saveScene;
   app::Renderer::Options rendering;
+  app::PictureSeries series;
   int repeat = 1;
 };
 
-void writePicture(const hbPicture& picture, const hbScene& scene, const std::string& path) {
-  if (app::extension(path) == ".exr")
-    hb::writeExr(picture, path);
-  else
-    hb::writePng(hb::displayImage(picture, scene), path);
-}
-
-void warnOfEmptyPicture(const hbScene& scene, const hbHistogram& histogram) {
-  fmt::print(stderr,
-             "hbvol: warning: nothing of the iso-surface {} is in view; the values looked at lie in [{:.6g}, {:.6g}]\n",
-             *scene.isoValue, histogram.min, histogram.max);
+/// What a scene leaves open that the values decide; their histogram, where it was taken.
+hbHistogram complete(hbScene& scene, const hbField& field) {
+  hbHistogram histogram;
+  const bool isStretched = scene.mode == hbMode::dvr && (!scene.transfer || scene.transfer->definition().relative);
+  if (scene.mode == hbMode::iso || isStretched) histogram = hb::fieldHistogram(field, scene.component, app::progress());
+  if (scene.mode == hbMode::iso && !scene.isoValue) scene.isoValue = histogram.otsuThreshold();
+  if (scene.mode == hbMode::dvr) scene.transfer = hb::transferFor(scene.transfer, histogram, field.geometry());
+  return histogram;
 }
 
 void run(const Options& options, const app::CommonOptions& common) {
-  const auto seconds = [](Clock::time_point from) {
-    return std::chrono::duration<double>(Clock::now() - from).count();
-  };
-
-  const auto begin = Clock::now();
-  auto start = begin;
+  app::PictureTimes times;
   const hbInput input = options.input.open(common, app::progress());
-  const double secondsLoad = seconds(start);
+  times.load = times.sinceBegin();
   app::MemoryMonitor memory;
 
-  start = Clock::now();
+  double before = times.sinceBegin();
   const hbEngine engine = input.engine(hb::engineFromName(options.engine));
   std::shared_ptr<const hbField> field = options.input.field(input, options.engine, common);
-  double secondsBuild = seconds(start);
+  times.build = times.sinceBegin() - before;
 
   hbScene scene = options.scene.scene(input.geometry());
   if (scene.magnitude) {
@@ -71,36 +59,18 @@ void run(const Options& options, const app::CommonOptions& common) {
   if (scene.component >= field->components())
     throw hbError(
         fmt::format("--component: expected 0 to {} or magnitude, found {}", input.components() - 1, scene.component));
-  hbHistogram histogram;
-  const bool isStretched = scene.mode == hbMode::dvr && (!scene.transfer || scene.transfer->definition().relative);
-  if (scene.mode == hbMode::iso || isStretched)
-    histogram = hb::fieldHistogram(*field, scene.component, app::progress());
-  if (scene.mode == hbMode::iso && !scene.isoValue) scene.isoValue = histogram.otsuThreshold();
-  if (scene.mode == hbMode::dvr) scene.transfer = hb::transferFor(scene.transfer, histogram, input.geometry());
-  start = Clock::now();
+  const hbHistogram histogram = complete(scene, *field);
+  before = times.sinceBegin();
   const auto renderer = app::Renderer::create(engine, input, *field, scene, options.rendering, common, options.out);
-  secondsBuild += seconds(start);
-
-  hbPicture picture;
-  std::vector<double> frames;
-  double secondsFirst = 0.0; // from the beginning on, the choice of an iso-value included
-  for (int i = 0; i < options.repeat; ++i) {
-    start = Clock::now();
-    picture = renderer->render();
-    frames.push_back(seconds(start));
-    if (i == 0) secondsFirst = seconds(begin);
-  }
+  times.build += times.sinceBegin() - before;
+  options.series.draw(*renderer,
+                      {options.out,
+                       options.saveScene,
+                       options.repeat,
+                       {{"hbvol.engine", std::string(hb::engineName(engine))}, {"hbvol.input", input.name}}},
+                      histogram, times);
+  std::vector<double> frames = times.pictures;
   std::sort(frames.begin(), frames.end());
-  const std::vector<float>& covered = *picture.find("A");
-  if (scene.mode == hbMode::iso && std::all_of(covered.begin(), covered.end(), [](float a) { return a == 0.0F; }))
-    warnOfEmptyPicture(scene, histogram);
-  const std::vector<float>& shown = *picture.find("Y");
-  if (std::any_of(shown.begin(), shown.end(), [](float y) { return !std::isfinite(y); }))
-    fmt::print(stderr, "hbvol: warning: NaN or infinite samples show in the picture; --nan-value V replaces them\n");
-  picture.metadata["hbvol.engine"] = hb::engineName(engine);
-  picture.metadata["hbvol.input"] = input.name;
-  if (!options.saveScene.empty()) hb::saveScene(renderer->scene(), options.saveScene);
-  writePicture(picture, renderer->scene(), options.out);
 
   const hbCamera& camera = *renderer->scene().camera;
   nlohmann::ordered_json stats{
@@ -112,12 +82,13 @@ void run(const Options& options, const app::CommonOptions& common) {
       {"step", scene.sampling.stepLength(input.geometry(), camera)},
       {"sampling", nullptr},
       {"iso", scene.isoValue ? nlohmann::ordered_json(*scene.isoValue) : nlohmann::ordered_json()},
-      {"seconds_load", secondsLoad},
-      {"seconds_build", secondsBuild},
-      {"seconds_first_picture", secondsFirst},
+      {"seconds_load", times.load},
+      {"seconds_build", times.build},
+      {"seconds_first_picture", times.first},
       {"seconds_frame_median", frames[frames.size() / 2]},
       {"seconds_frame_min", frames.front()},
       {"seconds_frame_max", frames.back()},
+      {"pictures", frames.size() / std::size_t(options.repeat)},
       {"repeat", options.repeat},
       {"memory_growth_bytes", memory.growth()},
       {"compressed_bytes", input.sparse ? nlohmann::ordered_json(input.fileBytes) : nlohmann::ordered_json()},
@@ -127,14 +98,14 @@ void run(const Options& options, const app::CommonOptions& common) {
   renderer->describe(stats);
   fmt::print("{}: {} by {} in {:.3f} s a frame ({} samples over the depth), load {:.3f} s\n", options.out,
              hb::modeName(scene.mode), hb::engineName(engine), frames[frames.size() / 2], stats["samples"].get<int>(),
-             secondsLoad);
+             times.load);
   common.writeStats(stats);
 }
 
 app::Work prepare(const Options& options, const app::CommonOptions& common) {
   if (app::extension(options.out) != ".exr" && app::extension(options.out) != ".png")
     throw hbError(fmt::format("{}: expected a name that ends with .exr or .png", options.out));
-  common.checkOutputs({options.out, options.saveScene});
+  common.checkOutputs({options.out, options.saveScene, options.series.savePath});
   options.input.rawLayout();
   const hbEngine engine = hb::engineFromName(options.engine);
   app::Renderer::check(engine, options.rendering);
@@ -155,6 +126,7 @@ void addRender(CLI::App& program, const app::CommonOptions& common, app::Work& w
       ->required()
       ->type_name("");
   options->scene.addTo(*command);
+  options->series.addTo(*command);
   command->add_option("--save-scene", options->saveScene, "Save the scene as rendered")
       ->group("Camera")
       ->type_name("S.json");

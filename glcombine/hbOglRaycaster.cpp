@@ -197,6 +197,11 @@ double hbOglRaycaster::bytes(const hbSparseGrid& grid, const hbScene& scene, con
   return pixels + components + texels * double(sizeof(float) + std::size_t(hb::glFormatBytes(options.blend.textures)));
 }
 
+void hbOglRaycaster::look(const hbCamera& camera) {
+  camera.validate();
+  parts_->scene.camera = camera;
+}
+
 hbPicture hbOglRaycaster::render(hbProgress& progress) {
   const hbPlaneRays rays(parts_->grid, parts_->scene);
   if (parts_->fused) return parts_->march(rays, progress);

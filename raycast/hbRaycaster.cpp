@@ -59,17 +59,16 @@ struct Frame {
 
   std::vector<float>*y, *a, *z = nullptr, *nx = nullptr, *ny = nullptr, *nz = nullptr, *value = nullptr;
   std::array<std::vector<float>*, 3> rgb{};
-  std::optional<hbMatter> matter;
+  const hbMatter* matter; ///< DVR alone.
 
-  Frame(const hbField& f, const hbScene& s, hbPicture& picture)
+  Frame(const hbField& f, const hbScene& s, const hbMatter* m, hbPicture& picture)
       : field(f), scene(s), camera(*s.camera), map(f.valueMap()), worldToCube(glm::inverse(f.geometry().cubeToWorld())),
         extent(hbSampling::extent(f.geometry(), camera)), step(s.sampling.stepLength(f.geometry(), camera)),
-        iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F) {
+        iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F), matter(m) {
     y = &picture.add("Y");
     a = &picture.add("A");
     if (s.mode == hbMode::dvr) {
       for (std::size_t c = 0; c < 3; ++c) rgb[c] = &picture.add(std::string(1, "RGB"[c]));
-      matter.emplace(s, map, step);
     }
     if (s.mode != hbMode::iso) return;
     z = &picture.add("Z", std::numeric_limits<float>::infinity());
@@ -323,6 +322,20 @@ hbRaycaster::hbRaycaster(const hbField& field, const hbScene& scene) : field_(fi
   if (scene_.mode == hbMode::dvr && !(scene_.transfer && scene_.transfer->definition().unitLength))
     throw hbError("dvr: expected a transfer function that states its unit length");
   if (scene_.mode == hbMode::slice && !scene_.slice) throw hbError("slice: expected a plane");
+  prepare();
+}
+
+void hbRaycaster::look(const hbCamera& camera) {
+  camera.validate();
+  scene_.camera = camera;
+  prepare();
+}
+
+void hbRaycaster::prepare() {
+  if (scene_.mode != hbMode::dvr) return;
+  const double step = scene_.sampling.stepLength(field_.geometry(), *scene_.camera);
+  if (!matter_ || (matter_->isPreintegrated() && matter_->step() != step))
+    matter_.emplace(scene_, field_.valueMap(), step);
 }
 
 hbPicture hbRaycaster::render(hbProgress& progress) const {
@@ -330,7 +343,7 @@ hbPicture hbRaycaster::render(hbProgress& progress) const {
   picture.width = scene_.width;
   picture.height = scene_.height;
   picture.metadata[hbPicture::kSceneKey] = hb::toJson(scene_);
-  const Frame frame(field_, scene_, picture);
+  const Frame frame(field_, scene_, matter_ ? &*matter_ : nullptr, picture);
   progress.begin("ray casting", std::int64_t(scene_.width) * scene_.height, "pixels");
   const int rows = (scene_.height + kTile - 1) / kTile, columns = (scene_.width + kTile - 1) / kTile;
   hb::parallelFor(std::int64_t(rows) * columns, [&](std::int64_t index) {

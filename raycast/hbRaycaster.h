@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "raycast/hbMatter.h"
 #include "scene/hbPicture.h"
 #include "scene/hbScene.h"
 #include "volume/hbField.h"
@@ -32,6 +35,10 @@ public:
   /// `scene.magnitude` is not looked at: pass an hbMagnitudeField.
   hbRaycaster(const hbField& field, const hbScene& scene);
 
+  /// From now on pictures are seen from there; what does not depend on that is kept. Throws hbError for a camera that
+  /// is not valid.
+  void look(const hbCamera& camera);
+
   /// One frame. Channels: "Y" (X-ray: value x world length; MIP: value; iso: shade in [0,1]) and "A" (1 where the ray
   /// meets the volume, or the surface); iso also "Z" (distance along the view axis; infinite where there is no
   /// surface), "N.X/Y/Z" (world normal towards the viewer; its gradient is the central difference over one sample
@@ -46,6 +53,9 @@ public:
   const hbScene& scene() const { return scene_; }
 
 private:
+  void prepare();
+
   const hbField& field_;
-  hbScene scene_; ///< With its camera.
+  hbScene scene_;                  ///< With its camera.
+  std::optional<hbMatter> matter_; ///< DVR; pre-integrated, of the camera's step.
 };

@@ -1,6 +1,7 @@
 #include "raycast/hbShearWarp.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,19 +12,39 @@
 #include "volume/hbMagnitudeField.h"
 
 struct hbShearWarp::Parts {
+  const hbSparseGrid& grid;
+  int supersample;
   hbScene scene; ///< With its camera.
   std::vector<hbShearFactorisation> factorisations;
   std::unique_ptr<const hbPixelRays> rays;
   using Evaluators = std::vector<hbLatticeEvaluator>;        ///< One a component.
   std::vector<std::shared_ptr<const Evaluators>> evaluators; ///< One list a factorisation; equal orders share it.
-  std::shared_ptr<const hbField> points;                     ///< The same function at any point.
-  int component = 0;                                         ///< Of `points`.
-  hbValueMap map;                                            ///< Of the grid.
+  std::vector<std::pair<hbAxisOrder, std::shared_ptr<const Evaluators>>> known; ///< Of this and earlier cameras.
+  std::shared_ptr<const hbField> points;                                        ///< The same function at any point.
+  int component = 0;                                                            ///< Of `points`.
+  hbValueMap map;                                                               ///< Of the grid.
   hbSliceCompositor::Memory memory;
 
   hbSliceCompositor compositor(std::size_t i) {
     const float iso = scene.isoValue ? float(points->valueMap().fromTrue(*scene.isoValue)) : 0.0F;
     return {factorisations[i], {*evaluators[i], scene.magnitude, map}, scene.mode, iso, memory};
+  }
+  std::shared_ptr<const Evaluators> evaluatorsOf(const hbShearFactorisation& one) {
+    if (one.isEmpty()) return std::make_shared<const Evaluators>();
+    const auto same =
+        std::find_if(known.begin(), known.end(), [&](const auto& other) { return other.first == one.order(); });
+    if (same != known.end()) return same->second;
+    auto list = std::make_shared<Evaluators>();
+    for (int c = 0; c < grid.components(); ++c)
+      if (scene.magnitude || c == scene.component) list->emplace_back(grid, c, one.order());
+    return known.emplace_back(one.order(), std::move(list)).second;
+  }
+  /// For the scene's camera.
+  void place() {
+    rays = std::make_unique<const hbPixelRays>(*scene.camera, scene.width, scene.height, grid.geometry());
+    factorisations = hbShearFactorisation::of(scene, grid.geometry(), *rays, supersample);
+    evaluators.clear();
+    for (const hbShearFactorisation& one : factorisations) evaluators.push_back(evaluatorsOf(one));
   }
   std::int64_t steps() {
     std::int64_t sum = 0;
@@ -33,9 +54,8 @@ struct hbShearWarp::Parts {
 };
 
 hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const Options& options)
-    : parts_(std::make_unique<Parts>()) {
+    : parts_(new Parts{grid, options.supersample, scene}) {
   hbScene& with = parts_->scene;
-  with = scene;
   with.camera = scene.cameraFor(grid.geometry());
   with.validate();
   if (!with.magnitude && (with.component < 0 || with.component >= grid.components()))
@@ -46,28 +66,19 @@ hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const O
   if (options.supersample < 1 || options.supersample > kMostSupersample)
     throw hbError(fmt::format("supersample: expected 1 to {}, found {}", kMostSupersample, options.supersample));
 
-  parts_->rays = std::make_unique<const hbPixelRays>(*with.camera, with.width, with.height, grid.geometry());
-  parts_->factorisations = hbShearFactorisation::of(with, grid.geometry(), *parts_->rays, options.supersample);
-  for (const hbShearFactorisation& one : parts_->factorisations) {
-    const auto same = std::find_if(parts_->factorisations.begin(), parts_->factorisations.end(),
-                                   [&](const hbShearFactorisation& other) {
-                                     return &other == &one || (other.order() == one.order() && !other.isEmpty());
-                                   });
-    if (&*same != &one) {
-      parts_->evaluators.push_back(parts_->evaluators[std::size_t(same - parts_->factorisations.begin())]);
-      continue;
-    }
-    auto list = std::make_shared<Parts::Evaluators>();
-    for (int c = 0; c < grid.components() && !one.isEmpty(); ++c)
-      if (with.magnitude || c == with.component) list->emplace_back(grid, c, one.order());
-    parts_->evaluators.push_back(std::move(list));
-  }
   parts_->map = grid.valueMap();
   parts_->points = std::shared_ptr<const hbField>(std::shared_ptr<const hbField>(), &grid);
   if (with.mode == hbMode::iso && hbSemiNodalGrid::fits(grid.indexSet()))
     parts_->points = std::make_shared<const hbSemiNodalGrid>(grid);
   if (with.magnitude) parts_->points = std::make_shared<const hbMagnitudeField>(parts_->points);
   parts_->component = with.magnitude ? 0 : with.component;
+  parts_->place();
+}
+
+void hbShearWarp::look(const hbCamera& camera) {
+  camera.validate();
+  parts_->scene.camera = camera;
+  parts_->place();
 }
 
 hbShearWarp::~hbShearWarp() = default;

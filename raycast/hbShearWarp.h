@@ -29,6 +29,10 @@ public:
   hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const Options& options);
   ~hbShearWarp();
 
+  /// From now on pictures are seen from there; surpluses in orders that were needed before are kept. Throws hbError for
+  /// a camera that is not valid.
+  void look(const hbCamera& camera);
+
   /// One frame, with the channels and the metadata of hbRaycaster::render(). `scene.sampling.kind` means nothing here:
   /// samples lie on slices, no farther apart along the view axis than hbSampling::stepLength().
   ///

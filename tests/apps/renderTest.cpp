@@ -191,6 +191,38 @@ TEST_F(render, SlicesVolumes) {
                            "slice: expected an engine of the ray caster");
 }
 
+TEST_F(render, GoesAroundAndAlongPaths) {
+  EXPECT_RUNS(run({"compress", "field:hydrogen", "h.hbv", "--level", "3"}));
+  EXPECT_RUNS(run({"render", "h.hbv", "around.exr", "--size", "16x12", "--orbit", "3", "--azimuth", "10", "--repeat",
+                   "2", "--save-path", "path.json", "--save-scene", "scene.json", "--stats", "s.json"}));
+  EXPECT_EQ(json("s.json")["pictures"], 3);
+  EXPECT_EQ(json("path.json")["cameras"].size(), 3U);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "around.exr"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "around-0003.exr"));
+  EXPECT_NE(picture("around-0000.exr").channels, picture("around-0001.exr").channels);
+  // The first one is what the scene shows; by every engine its own, and a path gives the same pictures again.
+  EXPECT_RUNS(run({"render", "h.hbv", "one.exr", "--scene", "scene.json"}));
+  EXPECT_EQ(picture("one.exr").channels, picture("around-0000.exr").channels);
+  for (const char* engine : {"seminodal", "lattice", "opengl"}) {
+    EXPECT_RUNS(run({"render", "h.hbv", "again.exr", "--size", "16x12", "--path", "path.json", "--engine", engine}));
+    EXPECT_RUNS(run({"render", "h.hbv", "one.exr", "--scene", "scene.json", "--engine", engine}));
+    EXPECT_EQ(picture("again-0000.exr").channels, picture("one.exr").channels) << engine;
+    EXPECT_NE(picture("again-0002.exr").channels, picture("one.exr").channels) << engine;
+  }
+  EXPECT_RUNS(run({"render", "h.hbv", "again.exr", "--size", "16x12", "--path", "path.json"}));
+  for (const char* number : {"0000", "0001", "0002"})
+    EXPECT_EQ(picture(fmt::format("again-{}.exr", number)).channels,
+              picture(fmt::format("around-{}.exr", number)).channels);
+  // PNGs of a series have one window.
+  EXPECT_RUNS(run({"render", "h.hbv", "p.png", "--size", "16x12", "--path", "path.json", "--mode", "mip"}));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "p-0002.png"));
+  expectFailureLeavesAll({"render", "h.hbv", "x.png", "--orbit", "2", "--path", "path.json"}, 2, "--orbit");
+  expectFailureLeavesAll({"render", "h.hbv", "x.png", "--orbit", "0"}, 2, "--orbit");
+  expectFailureLeavesAll({"render", "h.hbv", "x.png", "--path", "none.json"}, 1, "none.json");
+  expectFailureLeavesAll({"render", "h.hbv", "x.png", "--path", "scene.json"}, 1,
+                         "unknown key; known are version, cameras");
+}
+
 TEST_F(render, RefusesWrongColoursAndOpacities) {
   EXPECT_RUNS(run({"compress", "field:ball", "b.hbv", "--level", "2"}));
   const auto refused = [&](const std::vector<std::string>& more, int code, std::string_view words) {

@@ -329,6 +329,25 @@ TEST(hbDvr, EveryTransferFunctionShowsItself) {
   EXPECT_NE(hbRaycaster(grid, scene).render().channels, first.channels);
 }
 
+// Slabs are integrated anew where the step is another one.
+TEST(hbDvr, LooksFromElsewhere) {
+  const hbGeometry g = awkward();
+  const hbVolumeField field = volumeOf(g, waves);
+  for (const bool isPreintegrated : {false, true}) {
+    hbScene scene = dvrScene(transfer({{-1.0, 0.0}, {1.0, 0.7}}, 0.3), cameras(g).front(), 20);
+    scene.preintegrated = isPreintegrated;
+    hbRaycaster moved(field, scene);
+    for (const hbCamera& camera : cameras(g)) {
+      moved.look(camera);
+      scene.camera = camera;
+      EXPECT_EQ(moved.render().channels, hbRaycaster(field, scene).render().channels);
+    }
+    hbCamera wrong;
+    wrong.target = wrong.position;
+    EXPECT_THROW(moved.look(wrong), hbError);
+  }
+}
+
 TEST(hbDvr, NeedsATransferFunctionWithAUnit) {
   const hbGeometry g = box({3, 3, 3}, {1.0, 1.0, 1.0});
   const hbVolumeField field = volumeOf(g, [](const glm::dvec3& p) { return p.x; });

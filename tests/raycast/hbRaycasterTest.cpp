@@ -443,7 +443,7 @@ TEST(hbRaycaster, KeepsTheSceneWithItsCamera) {
 
 TEST(hbRaycaster, RefusesWhatItCannotDraw) {
   const auto field = hbAnalyticField::create("smooth,size=5");
-  EXPECT_THROW(hbRaycaster(*field, sceneOf(hbMode::iso)), hbError); // no iso-value
+  EXPECT_THROW(hbRaycaster(*field, sceneOf(hbMode::iso)), hbError);   // no iso-value
   EXPECT_THROW(hbRaycaster(*field, sceneOf(hbMode::slice)), hbError); // no plane
   hbScene scene = sceneOf(hbMode::xray);
   scene.component = 1;

@@ -286,6 +286,27 @@ TEST(hbShearWarp, KeepsTheSceneAndSaysItsSlices) {
   EXPECT_GT(hbShearWarp(grid, scene, {8}).bytes(), 10.0 * chosen.bytes());
 }
 
+// Nothing is left of where it was seen from before.
+TEST(hbShearWarp, LooksFromElsewhere) {
+  const hbGeometry g = awkward();
+  const hbSparseGrid grid = gridOf(g, 3, {waves, waves});
+  for (const hbMode mode : {hbMode::xray, hbMode::iso})
+    for (const bool magnitude : {false, true}) {
+      hbScene scene = sceneOf(mode, cameras(g).front());
+      scene.magnitude = magnitude;
+      hbShearWarp moved(grid, scene, {1});
+      for (const hbCamera& camera : cameras(g)) {
+        moved.look(camera);
+        scene.camera = camera;
+        EXPECT_EQ(moved.render().channels, draw(grid, scene).channels);
+        EXPECT_EQ(moved.scene().camera, camera);
+      }
+      hbCamera wrong;
+      wrong.target = wrong.position;
+      EXPECT_THROW(moved.look(wrong), hbError);
+    }
+}
+
 TEST(hbShearWarp, SeesNothingWhereThereIsNothing) {
   const hbGeometry g = box({9, 9, 9}, {1.0, 1.0, 1.0});
   const hbSparseGrid grid = gridOf(g, 3, {waves});
