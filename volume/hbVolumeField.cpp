@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "volume/kernels/hbTrilinearKernel.h"
+
 namespace {
 
 /// The cell of an axis that holds x and where in it, t in [0,1]; the upper neighbour is `step` further (0 on flat
@@ -91,6 +93,17 @@ void withReader(const hbVolume& volume, int component, double a, double b, std::
   });
 }
 
+/// The same for the kernel; none where it has no form for them.
+std::optional<hbTrilinearSamples> vectorSamples(const hbVolume& volume, int component, double a, double b) {
+  const auto& layout = volume.layout();
+  const hbSize3 size = volume.geometry().size;
+  if (!hb::hasTrilinearKernel(volume.type()) || layout.byteSwapped || layout.stride[0] != 1 || size.x < 2)
+    return std::nullopt;
+  const auto bytes = std::int64_t(hb::sampleBytes(volume.type()));
+  const std::byte* first = volume.data() + component * layout.componentStride * bytes;
+  return hbTrilinearSamples{first, volume.type(), size, layout.stride[1] * bytes, layout.stride[2] * bytes, a, b};
+}
+
 } // namespace
 
 hbVolumeField::hbVolumeField(hbVolume volume, const hbValueMap& map, std::optional<double> nonFinite)
@@ -101,6 +114,8 @@ hbVolumeField::hbVolumeField(hbVolume volume, const hbValueMap& map, std::option
 }
 
 void hbVolumeField::values(const hbPoints& points, int component, std::span<float> out) const {
+  if (const auto samples = vectorSamples(volume_, component, a_, b_); samples && !nonFinite_)
+    return hb::evaluateTrilinear(*samples, points, out);
   const hbSize3 size = volume_.geometry().size;
   withReader(volume_, component, a_, b_, nonFinite_, [&](const auto& reader) {
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -18,6 +18,8 @@ public:
   const hbGeometry& geometry() const override { return volume_.geometry(); }
   int components() const override { return volume_.components(); }
   hbValueMap valueMap() const override { return map_; }
+  /// By vector instructions, with the same bits, for samples of 32-bit floats and of 8- and 16-bit integers that lie
+  /// side by side along x in the machine's byte order, where `nonFinite` is not given.
   void values(const hbPoints& points, int component, std::span<float> out) const override;
   void gradients(const hbPoints& points, int component, std::span<float> out,
                  const hbGradients& gradient) const override;

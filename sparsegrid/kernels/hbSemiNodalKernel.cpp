@@ -7,7 +7,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "sparsegrid/kernels/hbPacket-inl.h"
+#include "volume/kernels/hbPacket-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace hb::HWY_NAMESPACE {

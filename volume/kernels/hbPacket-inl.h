@@ -1,11 +1,11 @@
 // What the kernels share, compiled once for each instruction set (see Highway's foreach_target.h): points in packets,
 // and the two adjacent values around each of them.
 
-#if defined(HBVOL_SPARSEGRID_KERNELS_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef HBVOL_SPARSEGRID_KERNELS_PACKET_INL_H
-#undef HBVOL_SPARSEGRID_KERNELS_PACKET_INL_H
+#if defined(HBVOL_VOLUME_KERNELS_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef HBVOL_VOLUME_KERNELS_PACKET_INL_H
+#undef HBVOL_VOLUME_KERNELS_PACKET_INL_H
 #else
-#define HBVOL_SPARSEGRID_KERNELS_PACKET_INL_H
+#define HBVOL_VOLUME_KERNELS_PACKET_INL_H
 #endif
 
 #include <algorithm>
@@ -265,4 +265,4 @@ HWY_INLINE void store(D d, hn::Vec<D> v, hn::TFromD<D>* to, std::size_t count) {
 } // namespace hb::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif // HBVOL_SPARSEGRID_KERNELS_PACKET_INL_H
+#endif // HBVOL_VOLUME_KERNELS_PACKET_INL_H
