@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -12,16 +11,14 @@
 
 #include "raycast/hbPixelRays.h"
 #include "raycast/hbRaySegment.h"
+#include "raycast/hbSceneCheck.h"
 #include "volume/hbError.h"
 
 hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
     : field_(field), scene_(scene), worldToCube_(glm::inverse(field.geometry().cubeToWorld())) {
-  scene.validate();
+  hb::checkScene(scene, field);
   scene_.camera = scene.cameraFor(field.geometry());
   scene_.sampling.kind = hbSampling::Kind::planewise;
-  if (scene.component < 0 || scene.component >= field.components())
-    throw hbError(fmt::format("component: expected 0 to {}, found {}", field.components() - 1, scene.component));
-  if (scene.mode == hbMode::iso && !scene.isoValue) throw hbError("iso: expected an iso-value");
   if (scene.mode == hbMode::dvr) throw hbError("dvr: expected an engine of the ray caster, found one of planes");
   if (scene.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of planes");
   if (scene.isoValue) iso_ = float(field.valueMap().fromTrue(*scene.isoValue));

@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -15,9 +14,9 @@
 #include "raycast/hbMatterRay.h"
 #include "raycast/hbPointBatch.h"
 #include "raycast/hbRaySegment.h"
+#include "raycast/hbSceneCheck.h"
 #include "raycast/hbSurfaceShader.h"
 #include "scene/hbColorSpace.h"
-#include "volume/hbError.h"
 #include "volume/hbParallel.h"
 
 namespace {
@@ -315,13 +314,7 @@ private:
 
 hbRaycaster::hbRaycaster(const hbField& field, const hbScene& scene) : field_(field), scene_(scene) {
   scene_.camera = scene.cameraFor(field.geometry());
-  scene_.validate();
-  if (scene_.component < 0 || scene_.component >= field.components())
-    throw hbError(fmt::format("component: expected 0 to {}, found {}", field.components() - 1, scene_.component));
-  if (scene_.mode == hbMode::iso && !scene_.isoValue) throw hbError("iso: expected an iso-value");
-  if (scene_.mode == hbMode::dvr && !(scene_.transfer && scene_.transfer->definition().unitLength))
-    throw hbError("dvr: expected a transfer function that states its unit length");
-  if (scene_.mode == hbMode::slice && !scene_.slice) throw hbError("slice: expected a plane");
+  hb::checkScene(scene_, field);
   prepare();
 }
 

@@ -110,4 +110,8 @@ TEST(hbPlaneCompositor, RefusesWhatTheRayCasterDoes) {
   scene.mode = hbMode::xray;
   scene.component = 1;
   EXPECT_THROW(hbPlaneRays(grid, scene), hbError);
+  scene.component = 0;
+  EXPECT_NO_THROW(hbPlaneRays(grid, scene));
+  scene.mode = hbMode::dvr;
+  EXPECT_THROW(hbPlaneRays(grid, scene), hbError);
 }
