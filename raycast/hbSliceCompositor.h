@@ -8,6 +8,7 @@
 #include "raycast/hbPool.h"
 #include "raycast/hbRayChords.h"
 #include "raycast/hbSliceSampler.h"
+#include "raycast/hbSliceTasks.h"
 #include "scene/hbMode.h"
 #include "volume/hbProgress.h"
 
@@ -27,8 +28,7 @@ public:
   /// the iso-value, by linear interpolation between slices n and n + 1; infinite where it does not. A value equal to
   /// the iso-value counts as above.
   ///
-  /// Bands of rays times chunks of slices are done in parallel; the parts do not depend on the number of threads and
-  /// are put together in order. Throws hbCancelled. O(slices x rays in the cube) evaluations.
+  /// In parallel, see hbSliceTasks. Throws hbCancelled. O(slices x rays in the cube) evaluations.
   std::vector<double> run(hbProgress& progress) const;
   /// What run() reports to progress.
   std::int64_t steps() const;
@@ -37,25 +37,22 @@ public:
 
 private:
   using Rectangle = hbSliceSampler::Rectangle;
+  using Piece = hbSliceTasks::Piece;
   struct Part;
   struct Scratch;
 
-  /// First row or slice of a part; that of the next one ends it.
-  int rowOf(int band) const;
-  int sliceOf(int chunk) const;
-
-  void composite(int band, int chunk, Part& part, hbProgress& progress) const;
-  void weighEnds(int n, const Rectangle& r, const Rectangle& before, const Rectangle& after, float* out) const;
-  void findCrossings(int band, int chunk, Part& part, hbProgress& progress) const;
-  void merge(int band, std::span<const Part> parts, std::span<double> result) const;
+  void composite(const Piece& piece, Part& part, hbProgress& progress) const;
+  void weighEnds(int n, const Rectangle& r, float* out) const;
+  void findCrossings(const Piece& piece, Part& part, hbProgress& progress) const;
+  void merge(int v0, int v1, std::span<const Part> parts, std::span<double> result) const;
 
   const hbShearFactorisation& rays_;
   hbSliceSampler sampler_;
   hbRayChords chords_;
+  hbSliceTasks tasks_;
   hbMode mode_;
   float iso_;
   Memory& memory_;
-  int bands_, chunks_;
 };
 
 struct hbSliceCompositor::Part {

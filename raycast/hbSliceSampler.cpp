@@ -9,6 +9,13 @@ hbSliceSampler::Rectangle hbSliceSampler::rectangle(int n, int v0, int v1) const
   return {u.first, u.second, std::max(v.first, v0), std::min(v.second, v1)};
 }
 
+hbSliceSampler::Rectangle hbSliceSampler::inner(int n, const Rectangle& r) const {
+  // Rays begin at an orthographic camera's plane, wherever that is.
+  if (n <= rays_.firstSlice() || n + 1 >= rays_.slices() || rays_.isPartlyBehind()) return {};
+  const Rectangle both = rectangle(n - 1, r.v0, r.v1).intersect(rectangle(n + 1, r.v0, r.v1)).intersect(r);
+  return both.isEmpty() ? Rectangle{} : both;
+}
+
 void hbSliceSampler::sample(int n, const Rectangle& r, Scratch& scratch, float hidden, float* out) const {
   const hbShearFactorisation::Slice slice = rays_.slice(n);
   scratch.us.resize(std::size_t(r.u1 - r.u0));

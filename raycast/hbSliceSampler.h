@@ -48,6 +48,10 @@ public:
   /// The rays of rows [v0, v1) that lie in the cube in slice n.
   Rectangle rectangle(int n, int v0, int v1) const;
 
+  /// Those of the rectangle that surely lie in the cube in the slices before and after n, too: they neither begin nor
+  /// end there.
+  Rectangle inner(int n, const Rectangle& r) const;
+
   /// out[(i - r.u0) + rays.u().count (j - r.v0)] = the value at ray (i, j) in slice n, over the rectangle; `hidden`
   /// where that lies behind the camera's plane.
   void sample(int n, const Rectangle& r, Scratch& scratch, float hidden, float* out) const;
