@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -33,6 +35,20 @@ public:
     const glm::dvec3 colour = glm::dvec3(slab) / double(slab.a);
     colour_ += transmittance_ * (1.0 - through) * (colour * reflection.matter + reflection.gloss);
     transmittance_ *= through;
+  }
+
+  /// What lies behind all that was added so far.
+  void add(const hbEmissionAbsorption& behind) {
+    colour_ += transmittance_ * behind.colour_;
+    transmittance_ *= behind.transmittance_;
+  }
+
+  /// The constant matter that shows the same over this length in the world, which is positive: added to nothing, it
+  /// gives this again, but for the rounding of its numbers to floats.
+  glm::vec4 matter(double length) const {
+    if (!(opacity() > 0.0)) return glm::vec4(0.0F);
+    const double least = std::max(transmittance_, std::numeric_limits<double>::min());
+    return glm::vec4(glm::dvec4(colour_ / opacity(), -std::log(least) / length));
   }
 
   /// In linear light, multiplied by the opacity.

@@ -5,15 +5,20 @@
 
 hbMatter::hbMatter(const hbScene& scene, const hbValueMap& map, double step)
     : map_(map), step_(step), gradientOpacity_(scene.gradientOpacity) {
+  const auto [lo, hi] = scene.transfer->range();
   if (!scene.preintegrated) {
     table_.emplace(*scene.transfer);
+    cell_ = (hi - lo) / double(table_->entries().size() - 1);
     return;
   }
   // Over the function's range and a cell more at either end, which what is beyond counts as.
   constexpr std::size_t kEntries = 1024;
-  const auto [lo, hi] = scene.transfer->range();
-  const double cell = (hi - lo) / double(kEntries - 3);
-  slabs_.emplace(*scene.transfer, lo - cell, hi + cell, step, kEntries);
+  cell_ = (hi - lo) / double(kEntries - 3);
+  slabs_.emplace(*scene.transfer, lo - cell_, hi + cell_, step, kEntries);
+}
+
+double hbMatter::bytes() const {
+  return double(sizeof(glm::vec4)) * double(slabs_ ? slabs_->entries().size() : table_->entries().size());
 }
 
 double hbMatter::shownBy(double gradient) const {

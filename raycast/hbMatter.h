@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "raycast/hbEmissionAbsorption.h"
 #include "scene/hbPreintegration.h"
 #include "scene/hbScene.h"
 #include "scene/hbTransferTable.h"
@@ -26,12 +27,29 @@ public:
   }
   double step() const { return step_; }
 
+  /// Adds a piece of one field value to what a ray sees, and a pre-integrated slab between two, so long in the world.
+  void add(float value, double length, hbEmissionAbsorption& light) const {
+    if (slabs_)
+      light.addSlab(slab(value, value), length / step_);
+    else
+      light.add(at(value), length);
+  }
+  void addSlab(float front, float back, double length, hbEmissionAbsorption& light) const {
+    light.addSlab(slab(front, back), length / step_);
+  }
+
+  const hbValueMap& map() const { return map_; }
+  /// How far apart the entries of the table in use are, in true values.
+  double cell() const { return cell_; }
+  /// What the table takes.
+  double bytes() const;
+
   /// How much of its extinction matter has by scene.gradientOpacity, for a gradient of this length in field values.
   double shownBy(double gradient) const;
 
 private:
   hbValueMap map_;
-  double step_;
+  double step_, cell_;
   std::optional<hbTransferTable> table_;
   std::optional<hbPreintegration> slabs_;
   std::optional<std::pair<double, double>> gradientOpacity_;

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <glm/geometric.hpp>
 
 #include "raycast/hbShearWarp.h"
 #include "raycast/hbSurfaceShader.h"
+#include "scene/hbColorSpace.h"
 #include "volume/hbParallel.h"
 
 namespace {
@@ -21,6 +23,8 @@ hbPixelWarp::hbPixelWarp(const hbPixelRays& rays, const hbScene& scene, const hb
                          hbPicture& picture)
     : rays_(rays), scene_(scene), field_(field), component_(component),
       step_(scene.sampling.stepLength(field.geometry(), *scene.camera)), y_(&picture.add("Y")), a_(&picture.add("A")) {
+  if (scene.mode == hbMode::dvr)
+    for (std::size_t c = 0; c < 3; ++c) rgb_[c] = &picture.add(std::string(1, "RGB"[c]));
   if (scene.mode != hbMode::iso) return;
   z_ = &picture.add("Z", kInfinity);
   nx_ = &picture.add("N.X");
@@ -33,9 +37,8 @@ double hbPixelWarp::bytes(const hbShearFactorisation& rays, hbMode mode) {
   return mode == hbMode::iso ? double(sizeof(Hit)) * rays.u().count * rays.v().count : 0.0;
 }
 
-void hbPixelWarp::values(const hbShearFactorisation& rays, std::span<const double> image) {
-  const hbValueMap map = field_.valueMap();
-  const bool isXray = scene_.mode == hbMode::xray;
+template <class Blend, class Alone>
+void hbPixelWarp::blendPixels(const hbShearFactorisation& rays, Blend blend, Alone alone) const {
   hb::parallelFor((scene_.height + kRows - 1) / kRows, [&](std::int64_t task) {
     struct Lonely {
       std::size_t pixel;
@@ -43,10 +46,6 @@ void hbPixelWarp::values(const hbShearFactorisation& rays, std::span<const doubl
     };
     std::vector<Lonely> lonely; // pixels without a ray around them that meets a slice
     hbPointBatch middles;
-    const auto put = [&](std::size_t pixel, double value, double length) {
-      (*y_)[pixel] = float(isXray ? map.toTrue(value) * length : map.toTrue(value));
-      (*a_)[pixel] = 1.0F;
-    };
     for (int y = int(task) * kRows; y < std::min(scene_.height, (int(task) + 1) * kRows); ++y)
       for (int x = 0; x < scene_.width; ++x) {
         const double px = x + 0.5, py = y + 0.5;
@@ -55,24 +54,64 @@ void hbPixelWarp::values(const hbShearFactorisation& rays, std::span<const doubl
         if (!in) continue;
         const std::size_t pixel = std::size_t(x) + std::size_t(scene_.width) * std::size_t(y);
         const double length = (in->leave - in->enter) * rays_.stretch(px, py);
-        const hbShearFactorisation::Neighbours around = rays.neighbours(px, py);
-        double sum = 0.0, weights = 0.0;
-        for (int k = 0; k < around.count; ++k) {
-          const double value = image[around.at[std::size_t(k)]], weight = around.weight[std::size_t(k)];
-          if (std::isnan(value)) continue;
-          sum += weight * value;
-          weights += weight;
-        }
-        if (weights > 0.0) {
-          put(pixel, sum / weights, length);
-          continue;
-        }
+        if (blend(pixel, rays.neighbours(px, py), length)) continue;
         lonely.push_back({pixel, length});
         middles.add(rays_.origin(px, py) + 0.5 * (in->enter + in->leave) * rays_.direction(px, py));
       }
     middles.evaluate(field_, component_);
-    for (std::size_t i = 0; i < lonely.size(); ++i) put(lonely[i].pixel, middles.value[i], lonely[i].length);
+    for (std::size_t i = 0; i < lonely.size(); ++i) alone(lonely[i].pixel, middles.value[i], lonely[i].length);
   });
+}
+
+void hbPixelWarp::values(const hbShearFactorisation& rays, std::span<const double> image) {
+  const hbValueMap map = field_.valueMap();
+  const bool isXray = scene_.mode == hbMode::xray;
+  const auto put = [&](std::size_t pixel, double value, double length) {
+    (*y_)[pixel] = float(isXray ? map.toTrue(value) * length : map.toTrue(value));
+    (*a_)[pixel] = 1.0F;
+  };
+  const auto blend = [&](std::size_t pixel, const hbShearFactorisation::Neighbours& around, double length) {
+    double sum = 0.0, weights = 0.0;
+    for (int k = 0; k < around.count; ++k) {
+      const double value = image[around.at[std::size_t(k)]], weight = around.weight[std::size_t(k)];
+      if (std::isnan(value)) continue;
+      sum += weight * value;
+      weights += weight;
+    }
+    if (weights > 0.0) put(pixel, sum / weights, length);
+    return weights > 0.0;
+  };
+  blendPixels(rays, blend, put);
+}
+
+void hbPixelWarp::light(const hbShearFactorisation& rays, std::span<const glm::vec4> image, const hbMatter& matter) {
+  const auto blend = [&](std::size_t pixel, const hbShearFactorisation::Neighbours& around, double length) {
+    glm::dvec3 colour(0.0);
+    double opacity = 0.0, weights = 0.0;
+    for (int k = 0; k < around.count; ++k) {
+      const glm::vec4& ofRay = image[around.at[std::size_t(k)]];
+      const double weight = around.weight[std::size_t(k)];
+      if (std::isnan(ofRay.a)) continue;
+      hbEmissionAbsorption seen; // what the ray would show over the pixel's own length
+      seen.add(ofRay, length);
+      colour += weight * seen.colour();
+      opacity += weight * seen.opacity();
+      weights += weight;
+    }
+    if (weights > 0.0) show(pixel, colour / weights, opacity / weights);
+    return weights > 0.0;
+  };
+  blendPixels(rays, blend, [&](std::size_t pixel, float value, double length) {
+    hbEmissionAbsorption seen;
+    matter.add(value, length, seen);
+    show(pixel, seen.colour(), seen.opacity());
+  });
+}
+
+void hbPixelWarp::show(std::size_t pixel, const glm::dvec3& colour, double opacity) {
+  for (std::size_t c = 0; c < 3; ++c) (*rgb_[c])[pixel] = float(colour[int(c)]);
+  (*y_)[pixel] = float(hb::linearToXyz(colour).y);
+  (*a_)[pixel] = float(opacity);
 }
 
 std::vector<hbPixelWarp::Hit> hbPixelWarp::shade(const hbShearFactorisation& rays,

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
+#include <glm/vec4.hpp>
+
+#include "raycast/hbMatter.h"
 #include "raycast/hbShearFactorisation.h"
 #include "scene/hbPicture.h"
 #include "scene/hbScene.h"
@@ -19,7 +23,12 @@ public:
   /// Iso: `crossings` holds each ray's place among the slices, infinite for none. Seven values of the field a crossing.
   void surface(const hbShearFactorisation& rays, std::span<const double> crossings);
 
-  /// What either takes at its peak, in bytes.
+  /// DVR: `image` holds, for each of the rays, the constant matter that shows what the ray does over its length in the
+  /// cube (see hbEmissionAbsorption::matter()), its extinction NaN where the ray meets no slice. `matter` is what
+  /// values show where no ray does.
+  void light(const hbShearFactorisation& rays, std::span<const glm::vec4> image, const hbMatter& matter);
+
+  /// What any of them takes at its peak, in bytes.
   static double bytes(const hbShearFactorisation& rays, hbMode mode);
 
 private:
@@ -29,7 +38,13 @@ private:
     float value = 0.0F;
     glm::vec3 normal{0.0F};
   };
+  /// Calls blend(pixel, neighbours, length) for every pixel whose ray meets the cube, `length` its way there in the
+  /// world, and alone(pixel, value, length), with the field's value in the middle of it, where blend() says that there
+  /// was nothing to blend.
+  template <class Blend, class Alone>
+  void blendPixels(const hbShearFactorisation& rays, Blend blend, Alone alone) const;
   std::vector<Hit> shade(const hbShearFactorisation& rays, std::span<const double> crossings) const;
+  void show(std::size_t pixel, const glm::dvec3& colour, double opacity);
   void put(int x, int y, const hbShearFactorisation& rays, std::span<const Hit> hits);
 
   const hbPixelRays& rays_;
@@ -37,5 +52,6 @@ private:
   const hbField& field_;
   int component_;
   double step_; ///< World distance between slices along the view axis.
+  std::array<std::vector<float>*, 3> rgb_{};
   std::vector<float>*y_, *a_, *z_ = nullptr, *nx_ = nullptr, *ny_ = nullptr, *nz_ = nullptr, *value_ = nullptr;
 };

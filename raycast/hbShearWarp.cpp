@@ -1,12 +1,16 @@
 #include "raycast/hbShearWarp.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "raycast/hbMatter.h"
 #include "raycast/hbPixelWarp.h"
+#include "raycast/hbSceneCheck.h"
 #include "raycast/hbSliceCompositor.h"
+#include "raycast/hbSliceLight.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
 #include "volume/hbError.h"
 #include "volume/hbMagnitudeField.h"
@@ -23,11 +27,19 @@ struct hbShearWarp::Parts {
   std::shared_ptr<const hbField> points;                                        ///< The same function at any point.
   int component = 0;                                                            ///< Of `points`.
   hbValueMap map;                                                               ///< Of the grid.
+  std::optional<hbMatter> matter;                                               ///< The mode dvr's, for its step.
+  std::optional<hbVisibility> visibility;
   hbSliceCompositor::Memory memory;
+  hbSliceLight::Memory memoryOfLight;
 
+  hbSliceSampler::Source source(std::size_t i) const { return {*evaluators[i], scene.magnitude, map}; }
   hbSliceCompositor compositor(std::size_t i) {
     const float iso = scene.isoValue ? float(points->valueMap().fromTrue(*scene.isoValue)) : 0.0F;
-    return {factorisations[i], {*evaluators[i], scene.magnitude, map}, scene.mode, iso, memory};
+    return {factorisations[i], source(i), scene.mode, iso, memory};
+  }
+  hbSliceLight light(std::size_t i) {
+    const glm::dmat3 toWorld(points->geometry().cubeToWorld());
+    return {factorisations[i], source(i), *matter, *visibility, toWorld, memoryOfLight};
   }
   std::shared_ptr<const Evaluators> evaluatorsOf(const hbShearFactorisation& one) {
     if (one.isEmpty()) return std::make_shared<const Evaluators>();
@@ -45,23 +57,28 @@ struct hbShearWarp::Parts {
     factorisations = hbShearFactorisation::of(scene, grid.geometry(), *rays, supersample);
     evaluators.clear();
     for (const hbShearFactorisation& one : factorisations) evaluators.push_back(evaluatorsOf(one));
+    if (scene.mode != hbMode::dvr) return;
+    const double step = scene.sampling.stepLength(grid.geometry(), *scene.camera);
+    if (matter && (!matter->isPreintegrated() || matter->step() == step)) return;
+    matter.emplace(scene, points->valueMap(), step);
+    visibility.emplace(*scene.transfer, *matter);
   }
   std::int64_t steps() {
     std::int64_t sum = 0;
-    for (std::size_t i = 0; i < factorisations.size(); ++i) sum += compositor(i).steps();
+    for (std::size_t i = 0; i < factorisations.size(); ++i) sum += matter ? light(i).steps() : compositor(i).steps();
     return sum;
   }
+  /// What slices of one factorisation take, in bytes.
+  double bytes(std::size_t i) { return matter ? light(i).bytes() + matter->bytes() : compositor(i).bytes(); }
 };
 
 hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const Options& options)
     : parts_(new Parts{grid, options.supersample, scene}) {
   hbScene& with = parts_->scene;
   with.camera = scene.cameraFor(grid.geometry());
-  with.validate();
-  if (!with.magnitude && (with.component < 0 || with.component >= grid.components()))
-    throw hbError(fmt::format("component: expected 0 to {}, found {}", grid.components() - 1, with.component));
-  if (with.mode == hbMode::iso && !with.isoValue) throw hbError("iso: expected an iso-value");
-  if (with.mode == hbMode::dvr) throw hbError("dvr: expected an engine of the ray caster, found one of slices");
+  hbScene ofComponent = with;
+  if (with.magnitude) ofComponent.component = 0;
+  hb::checkScene(ofComponent, grid);
   if (with.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of slices");
   if (options.supersample < 1 || options.supersample > kMostSupersample)
     throw hbError(fmt::format("supersample: expected 1 to {}, found {}", kMostSupersample, options.supersample));
@@ -95,8 +112,7 @@ std::vector<int> hbShearWarp::slices() const {
 double hbShearWarp::bytes() const {
   double bytes = 0.0;
   for (std::size_t i = 0; i < parts_->factorisations.size(); ++i)
-    bytes =
-        std::max(bytes, parts_->compositor(i).bytes() + hbPixelWarp::bytes(parts_->factorisations[i], scene().mode));
+    bytes = std::max(bytes, parts_->bytes(i) + hbPixelWarp::bytes(parts_->factorisations[i], scene().mode));
   return bytes;
 }
 
@@ -110,11 +126,12 @@ hbPicture hbShearWarp::render(hbProgress& progress) const {
   hbPixelWarp warp(*parts_->rays, scene, *parts_->points, parts_->component, picture);
   for (std::size_t i = 0; i < parts_->factorisations.size(); ++i) {
     const hbShearFactorisation& rays = parts_->factorisations[i];
-    const std::vector<double> image = parts_->compositor(i).run(progress);
-    if (scene.mode == hbMode::iso)
-      warp.surface(rays, image);
+    if (scene.mode == hbMode::dvr)
+      warp.light(rays, parts_->light(i).run(progress), *parts_->matter);
+    else if (scene.mode == hbMode::iso)
+      warp.surface(rays, parts_->compositor(i).run(progress));
     else
-      warp.values(rays, image);
+      warp.values(rays, parts_->compositor(i).run(progress));
   }
   return picture;
 }

@@ -8,9 +8,10 @@
 #include "sparsegrid/hbSparseGrid.h"
 #include "volume/hbProgress.h"
 
-/// X-ray, MIP and iso-surface pictures straight from a sparse grid by shear-warp (the engine `lattice`): the grid is
-/// evaluated on slices across an axis of its cube, whose samples make rectilinear lattices; what intermediate rays have
-/// gathered on them is then warped into the picture. doc/shear-warp.md says how, and how far it is from ray casting.
+/// X-ray, MIP, iso-surface and emission-absorption pictures straight from a sparse grid by shear-warp (the engine
+/// `lattice`): the grid is evaluated on slices across an axis of its cube, whose samples make rectilinear lattices;
+/// what intermediate rays have gathered on them is then warped into the picture. doc/shear-warp.md says how, and how
+/// far it is from ray casting.
 ///
 /// Any camera: pixels whose rays lie more than hbShearFactorisation::kSteepest off the view axis' main direction are
 /// drawn along another one.
@@ -24,8 +25,8 @@ public:
 
   /// Keeps a reference to `grid`; the surpluses are copied in another order where the main direction needs it (4 bytes
   /// a value, with `scene.magnitude` of all components), and the mode iso builds an hbSemiNodalGrid for shading, where
-  /// it fits. Throws hbError for an invalid scene, a component the grid lacks, an iso mode without an iso-value, and
-  /// for another supersampling.
+  /// it fits, the mode dvr an hbMatter. Throws hbError as hbRaycaster does, for the mode slice, and for another
+  /// supersampling.
   hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const Options& options);
   ~hbShearWarp();
 
@@ -40,7 +41,9 @@ public:
   /// ray's length in the volume; MIP likewise. "A" is 1 exactly where hbRaycaster's is; where no intermediate ray meets
   /// a slice the field's value in the middle of the pixel's ray stands in. Iso: the first crossing between two slices,
   /// linearly interpolated, shaded at the intermediate rays; a pixel shows the surface where at least half of what lies
-  /// around it does, and blends only rays that meet it about as deep (see kSameSurface).
+  /// around it does, and blends only rays that meet it about as deep (see kSameSurface). DVR: colours and opacities of
+  /// the intermediate rays around a pixel's, each as constant matter that shows the same, but as long as the pixel's
+  /// own ray. `scene.shading`, `gradientOpacity` and `clip` are not looked at.
   ///
   /// The picture does not depend on the number of threads. Throws hbCancelled.
   hbPicture render(hbProgress& progress = hbProgress::none()) const;

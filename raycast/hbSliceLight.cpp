@@ -1,0 +1,134 @@
+#include "raycast/hbSliceLight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+#include "volume/hbParallel.h"
+
+hbSliceLight::hbSliceLight(const hbShearFactorisation& rays, const hbSliceSampler::Source& source,
+                           const hbMatter& matter, const hbVisibility& visibility, const glm::dmat3& toWorld,
+                           Memory& memory)
+    : rays_(rays), sampler_(rays, source), chords_(rays), tasks_(rays), matter_(matter), visibility_(visibility),
+      toWorld_(toWorld), memory_(memory) {}
+
+double hbSliceLight::bytes() const {
+  const double ofThread = tasks_.raysAPiece() * (2 * sizeof(float) + sizeof(double)) + sampler_.bytes();
+  return double(sizeof(glm::vec4)) * rays_.u().count * rays_.v().count +
+         double(sizeof(hbEmissionAbsorption)) * tasks_.raysAtOnce() + hb::parallelThreads() * ofThread;
+}
+
+double hbSliceLight::slab(int i, int j) const {
+  const glm::dvec3 way = rays_.point(rays_.changeOfSlice(), rays_.u().at(i), rays_.v().at(j));
+  return glm::length(toWorld_ * way);
+}
+
+void hbSliceLight::composite(const Piece& piece, Part& part, hbProgress& progress) const {
+  const hbPool<Scratch>::Lease scratch(memory_.scratch);
+  scratch->sampler.restart();
+  const auto stride = std::size_t(rays_.u().count);
+  const std::size_t size = stride * std::size_t(piece.v1 - piece.v0);
+  for (std::vector<float>* slice : {&scratch->before, &scratch->now})
+    if (slice->size() < size) slice->resize(size);
+  scratch->slabs.resize(size);
+  for (std::size_t at = 0; at < size; ++at) scratch->slabs[at] = slab(int(at % stride), piece.v0 + int(at / stride));
+  part.light.assign(size, {});
+  part.isEmpty = true;
+  // A slab lies between two slices: the last one of the chunk before is looked at again.
+  const int first = matter_.isPreintegrated() ? std::max(rays_.firstSlice(), piece.begin - 1) : piece.begin;
+  for (int n = first; n < piece.end; ++n) {
+    const Rectangle r = sampler_.rectangle(n, piece.v0, piece.v1);
+    if (!r.isEmpty()) {
+      const std::size_t corner = std::size_t(r.u0) + stride * std::size_t(r.v0 - piece.v0);
+      sampler_.sample(n, r, scratch->sampler, 0.0F, scratch->now.data() + corner);
+      if (n >= piece.begin) addSlice(n, r, piece, *scratch, part);
+    }
+    scratch->before.swap(scratch->now);
+    if (n >= piece.begin) progress.advance(1);
+  }
+}
+
+void hbSliceLight::addSlice(int n, const Rectangle& r, const Piece& piece, const Scratch& scratch, Part& part) const {
+  const Rectangle inner = sampler_.inner(n, r);
+  for (int j = r.v0; j < r.v1; ++j) {
+    const std::size_t at = std::size_t(rays_.u().count) * std::size_t(j - piece.v0);
+    const Row row{
+        n, j, scratch.before.data() + at, scratch.now.data() + at, scratch.slabs.data() + at, part.light.data() + at};
+    const bool isInner = j >= inner.v0 && j < inner.v1;
+    const int u0 = isInner ? inner.u0 : r.u1, u1 = isInner ? inner.u1 : r.u1;
+    addEnds(row, r.u0, u0);
+    addInner(row, u0, u1);
+    addEnds(row, u1, r.u1);
+  }
+  part.isEmpty = false;
+}
+
+bool hbSliceLight::isInvisible(const Row& row, int u0, int u1) const {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  float least = kInfinity, greatest = -kInfinity;
+  const auto cover = [&](const float* values) {
+    for (int i = u0; i < u1; ++i) {
+      least = values[i] < least ? values[i] : least;
+      greatest = values[i] > greatest ? values[i] : greatest;
+    }
+  };
+  cover(row.now);
+  if (matter_.isPreintegrated()) cover(row.before);
+  return visibility_.isInvisible(least, greatest);
+}
+
+void hbSliceLight::addInner(const Row& row, int u0, int u1) const {
+  if (u0 >= u1 || isInvisible(row, u0, u1)) return;
+  for (int i = u0; i < u1; ++i) {
+    if (row.light[i].transmittance() < kOpaque) continue;
+    if (matter_.isPreintegrated())
+      matter_.addSlab(row.before[i], row.now[i], row.slabs[i], row.light[i]);
+    else
+      matter_.add(row.now[i], row.slabs[i], row.light[i]);
+  }
+}
+
+void hbSliceLight::addEnds(const Row& row, int u0, int u1) const {
+  for (int i = u0; i < u1; ++i) {
+    const hbRayChords::Chord chord = chords_.at(i, row.j);
+    // Behind the camera's plane, or opaque.
+    if (row.n < chord.first || row.n > chord.last || row.light[i].transmittance() < kOpaque) continue;
+    if (!matter_.isPreintegrated()) {
+      matter_.add(row.now[i], chord.weight(row.n) * row.slabs[i], row.light[i]);
+      continue;
+    }
+    if (row.n == chord.first)
+      matter_.add(row.now[i], chord.before * row.slabs[i], row.light[i]);
+    else
+      matter_.addSlab(row.before[i], row.now[i], row.slabs[i], row.light[i]);
+    if (row.n == chord.last) matter_.add(row.now[i], chord.after * row.slabs[i], row.light[i]);
+  }
+}
+
+void hbSliceLight::merge(int v0, int v1, std::span<const Part> parts, std::span<glm::vec4> result) const {
+  const auto columns = std::size_t(rays_.u().count);
+  for (int j = v0; j < v1; ++j)
+    for (std::size_t i = 0; i < columns; ++i) {
+      const std::size_t at = i + columns * std::size_t(j - v0);
+      hbEmissionAbsorption light;
+      for (const Part& part : parts)
+        if (!part.isEmpty) light.add(part.light[at]);
+      const hbRayChords::Chord chord = chords_.at(int(i), j);
+      result[at] = chord.isEmpty() ? glm::vec4(std::numeric_limits<float>::quiet_NaN())
+                                   : light.matter(chord.length() * slab(int(i), j));
+    }
+}
+
+std::vector<glm::vec4> hbSliceLight::run(hbProgress& progress) const {
+  const auto columns = std::size_t(rays_.u().count);
+  std::vector<glm::vec4> result(columns * std::size_t(rays_.v().count));
+  const hbPool<std::vector<Part>>::Lease parts(memory_.parts);
+  tasks_.run(
+      *parts, [&](const Piece& piece, Part& part) { composite(piece, part, progress); },
+      [&](int v0, int v1, std::span<const Part> ofBand) {
+        merge(v0, v1, ofBand, std::span(result).subspan(columns * std::size_t(v0), columns * std::size_t(v1 - v0)));
+      });
+  return result;
+}

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec4.hpp>
+
+#include "raycast/hbPool.h"
+#include "raycast/hbRayChords.h"
+#include "raycast/hbSliceSampler.h"
+#include "raycast/hbSliceTasks.h"
+#include "raycast/hbVisibility.h"
+#include "volume/hbProgress.h"
+
+/// Goes through the slices of a factorisation and gives each intermediate ray the light that it sees in the mode dvr.
+class hbSliceLight {
+public:
+  /// Memory that tasks and frames use again and again.
+  struct Memory;
+
+  /// Below this transmittance a ray ends, within a chunk of slices: a chunk does not know what lies before it.
+  /// kOpaque's square, since it is shown over the length of a pixel's own ray: over half of the length it is kOpaque.
+  static constexpr double kOpaque = hbEmissionAbsorption::kOpaque * hbEmissionAbsorption::kOpaque;
+
+  /// Keeps references to everything but `toWorld`, for ways in the cube.
+  hbSliceLight(const hbShearFactorisation& rays, const hbSliceSampler::Source& source, const hbMatter& matter,
+               const hbVisibility& visibility, const glm::dmat3& toWorld, Memory& memory);
+
+  /// What each ray, that of (a, b) = (u.at(i), v.at(j)) at i + u.count j, shows: the constant matter that shows the
+  /// same over the ray's length in the cube. NaN as its extinction where no slice meets the ray in the cube.
+  ///
+  /// A slice's value stands for as much of the ray as it does in an X-ray (hbRayChords); pre-integrated, slabs lie
+  /// between two slices, and what lies before the first and behind the last has their values. Composited in 64 bits,
+  /// front to back, in parallel, see hbSliceTasks. Throws hbCancelled. O(slices x rays in the cube) evaluations.
+  std::vector<glm::vec4> run(hbProgress& progress) const;
+  /// What run() reports to progress.
+  std::int64_t steps() const { return tasks_.steps(); }
+  /// What run() takes at its peak with the result, in bytes.
+  double bytes() const;
+
+private:
+  using Rectangle = hbSliceSampler::Rectangle;
+  using Piece = hbSliceTasks::Piece;
+  struct Part;
+  struct Scratch;
+  /// A row of rays in a slice, and what they have seen. Pointers are to that of ray u.at(0).
+  struct Row {
+    int n = 0, j = 0;
+    const float *before = nullptr, *now = nullptr; ///< Values in the slice before, if pre-integrated, and in n.
+    const double* slabs = nullptr;                 ///< World lengths from slice to slice.
+    hbEmissionAbsorption* light = nullptr;
+  };
+
+  void composite(const Piece& piece, Part& part, hbProgress& progress) const;
+  void addSlice(int n, const Rectangle& r, const Piece& piece, const Scratch& scratch, Part& part) const;
+  /// Rays u0 to u1 of a row, which go on through the cube before and after the slice.
+  void addInner(const Row& row, int u0, int u1) const;
+  /// Any.
+  void addEnds(const Row& row, int u0, int u1) const;
+  bool isInvisible(const Row& row, int u0, int u1) const;
+  double slab(int i, int j) const;
+  void merge(int v0, int v1, std::span<const Part> parts, std::span<glm::vec4> result) const;
+
+  const hbShearFactorisation& rays_;
+  hbSliceSampler sampler_;
+  hbRayChords chords_;
+  hbSliceTasks tasks_;
+  const hbMatter& matter_;
+  const hbVisibility& visibility_;
+  glm::dmat3 toWorld_;
+  Memory& memory_;
+};
+
+struct hbSliceLight::Part {
+  std::vector<hbEmissionAbsorption> light;
+  bool isEmpty = true;
+};
+
+/// Of one task.
+struct hbSliceLight::Scratch {
+  hbSliceSampler::Scratch sampler;
+  std::vector<float> before, now;
+  std::vector<double> slabs;
+};
+
+struct hbSliceLight::Memory {
+  hbPool<Scratch> scratch;
+  hbPool<std::vector<Part>> parts;
+};
