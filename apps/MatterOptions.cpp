@@ -48,7 +48,7 @@ void app::MatterOptions::apply(hbScene& scene) const {
     scene.gradientOpacity = {ends[0], ends[1]};
   }
   scene.shading = shadingOf(scene.shading);
-  scene.transfer = transferFunction(scene.transfer);
+  scene.transfer = transferFunction(scene.transfer, scene.labels);
 }
 
 std::optional<hbShading> app::MatterOptions::shadingOf(std::optional<hbShading> known) const {
@@ -77,7 +77,8 @@ std::optional<hbShading> app::MatterOptions::shadingOf(std::optional<hbShading> 
   return known;
 }
 
-std::optional<hbTransferFunction> app::MatterOptions::transferFunction(std::optional<hbTransferFunction> known) const {
+std::optional<hbTransferFunction> app::MatterOptions::transferFunction(std::optional<hbTransferFunction> known,
+                                                                       bool ofLabels) const {
   if (!transfer.empty()) {
     const auto names = hbTransferFunction::presetNames();
     const std::size_t colon = transfer.rfind(':');
@@ -91,6 +92,7 @@ std::optional<hbTransferFunction> app::MatterOptions::transferFunction(std::opti
       throw hbError(
           fmt::format("--transfer: expected a file or one of {}, found '{}'", fmt::join(names, ", "), transfer));
   }
+  if (ofLabels && !known) return known; // which the values decide
   if ((!transferRange.empty() || unitLength) && !known) known = hbTransferFunction::preset("density");
   if (!transferRange.empty()) {
     const auto ends = app::parseNumbers(transferRange, 2, 2, "--transfer-range");

@@ -25,7 +25,7 @@ struct MatterOptions {
   void apply(hbScene& scene) const;
 
 private:
-  std::optional<hbTransferFunction> transferFunction(std::optional<hbTransferFunction> known) const;
+  std::optional<hbTransferFunction> transferFunction(std::optional<hbTransferFunction> known, bool ofLabels) const;
   std::optional<hbShading> shadingOf(std::optional<hbShading> known) const;
 };
 

@@ -72,6 +72,8 @@ void app::SceneOptions::addTo(CLI::App& subcommand) {
       ->type_name("LO,HI");
   add("Picture", "--colormap", colormap, "PNG: gray, inverse-gray, heat, cubehelix or coolwarm");
   add("Picture", "--background", background, "PNG: coded sRGB, each in [0,1]")->type_name("R,G,B");
+  subcommand.add_flag("--labels", labels, "Values are labels: show the nearest sample's, each in a colour of its own")
+      ->group("Picture");
   add("Picture", "--clip", clip, "Show this part of the volume: fractions of its edges along its own axes, 0 to 1")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1");
   add("Picture", "--slice", slice,
@@ -124,6 +126,7 @@ hbScene app::SceneOptions::scene(const hbGeometry& geometry) const {
     const auto rgb = app::parseNumbers(background, 3, 3, "--background");
     result.background = {rgb[0], rgb[1], rgb[2]};
   }
+  if (labels) result.labels = true;
   if (!clip.empty()) {
     const auto n = app::parseNumbers(clip, 6, 6, "--clip");
     result.clip = {{n[0], n[2], n[4]}, {n[1], n[3], n[5]}};

@@ -17,6 +17,7 @@ struct SceneOptions {
   std::string file, mode, size, camera, projection, window, colormap, component, sampling, background, clip, slice;
   std::optional<double> azimuth, elevation, zoom, iso;
   MatterOptions matter;
+  bool labels = false;
   int samples = 0;
 
   void addTo(CLI::App& subcommand);

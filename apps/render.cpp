@@ -13,8 +13,8 @@
 #include "apps/PictureSeries.h"
 #include "apps/Program.h"
 #include "apps/Renderer.h"
+#include "apps/SceneCompletion.h"
 #include "apps/SceneOptions.h"
-#include "raycast/hbSceneDefaults.h"
 #include "raycast/hbShearWarp.h"
 #include "volume/hbError.h"
 #include "volume/hbMagnitudeField.h"
@@ -29,16 +29,6 @@ struct Options {
   app::PictureSeries series;
   int repeat = 1;
 };
-
-/// What a scene leaves open that the values decide; their histogram, where it was taken.
-hbHistogram complete(hbScene& scene, const hbField& field) {
-  hbHistogram histogram;
-  const bool isStretched = scene.mode == hbMode::dvr && (!scene.transfer || scene.transfer->definition().relative);
-  if (scene.mode == hbMode::iso || isStretched) histogram = hb::fieldHistogram(field, scene.component, app::progress());
-  if (scene.mode == hbMode::iso && !scene.isoValue) scene.isoValue = histogram.otsuThreshold();
-  if (scene.mode == hbMode::dvr) scene.transfer = hb::transferFor(scene.transfer, histogram, field.geometry());
-  return histogram;
-}
 
 void run(const Options& options, const app::CommonOptions& common) {
   app::PictureTimes times;
@@ -59,7 +49,8 @@ void run(const Options& options, const app::CommonOptions& common) {
   if (scene.component >= field->components())
     throw hbError(
         fmt::format("--component: expected 0 to {} or magnitude, found {}", input.components() - 1, scene.component));
-  const hbHistogram histogram = complete(scene, *field);
+  if (scene.labels) field = app::labelled(*field, scene, options.scene.matter.unitLength);
+  const hbHistogram histogram = app::complete(scene, *field);
   before = times.sinceBegin();
   const auto renderer = app::Renderer::create(engine, input, *field, scene, options.rendering, common, options.out);
   times.build += times.sinceBegin() - before;

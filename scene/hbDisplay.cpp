@@ -132,6 +132,7 @@ hbImage8 hb::displayImage(const hbPicture& picture, const hbScene& scene, const 
   const auto* alpha = picture.find("A");
   const hbColormap map = mapOf(scene);
   const glm::dvec3 behind = srgbToLinear(backdrop);
+  const bool showsLabels = scene.mode == hbMode::slice && scene.labels && scene.transfer;
   hbImage8 image = background(picture.width, picture.height, backdrop);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double a = coverage(values, alpha, i);
@@ -139,6 +140,10 @@ hbImage8 hb::displayImage(const hbPicture& picture, const hbScene& scene, const 
     if (scene.mode == hbMode::iso) {
       const double shade = std::clamp(double(values[i]), 0.0, 1.0);
       put(image, i, linearToSrgb(behind + a * (shade * kSurface - behind)));
+      continue;
+    }
+    if (showsLabels) {
+      if (scene.transfer->opacity(values[i]) > 0.0) put(image, i, linearToSrgb(scene.transfer->colour(values[i])));
       continue;
     }
     const glm::dvec3 colour = map.rgb(placeIn(window, values[i]));

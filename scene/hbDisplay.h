@@ -21,7 +21,8 @@ std::pair<double, double> displayWindow(const hbPicture& picture, const hbScene&
 /// X-ray and MIP: "Y" through displayWindow() and the scene's colour map (by default gray for X-ray, heat for MIP).
 /// Iso: "Y", the shade in linear light, times a warm neutral surface colour. Both over the background by "A". Values
 /// outside the window get the colours of its ends. DVR: "R", "G", "B" in linear light, multiplied by the opacity "A"
-/// already, over the background; where one of them is missing, as X-ray.
+/// already, over the background; where one of them is missing, as X-ray. Slices of labels: the transfer function's
+/// colours where it has an opacity; of other values, as X-ray.
 hbImage8 displayImage(const hbPicture& picture, const hbScene& scene);
 
 /// The same with this window instead of displayWindow(), first <= second: where they are equal, values up to it show

@@ -158,6 +158,7 @@ std::string hb::toJson(const hbScene& scene) {
   if (scene.slice)
     json["slice"] = {{"point", vectorToJson(scene.slice->point)}, {"normal", vectorToJson(scene.slice->normal)}};
   if (scene.background) json["background"] = vectorToJson(*scene.background);
+  if (scene.labels) json["labels"] = true;
   json["component"] = scene.component;
   json["magnitude"] = scene.magnitude;
   json["width"] = scene.width;
@@ -169,8 +170,8 @@ hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
   const Json json = hb::parseJson(text, name);
   const hbJsonReader reader(json, name,
                             {"version", "mode", "camera", "sampling", "isoValue", "window", "colormap", "transfer",
-                             "preintegrated", "shading", "gradientOpacity", "clip", "slice", "background", "component",
-                             "magnitude", "width", "height"});
+                             "preintegrated", "shading", "gradientOpacity", "clip", "slice", "background", "labels",
+                             "component", "magnitude", "width", "height"});
   int version = 0;
   reader.require("version");
   reader.read("version", version);
@@ -197,6 +198,7 @@ hbScene hb::sceneFromJson(const std::string& text, const std::string& name) {
   if (const Json* clip = reader.find("clip")) scene.clip = clipFromJson(*clip, name + ": clip");
   if (const Json* slice = reader.find("slice")) scene.slice = planeFromJson(*slice, name + ": slice");
   if (reader.find("background") != nullptr) reader.read("background", scene.background.emplace());
+  reader.read("labels", scene.labels);
   reader.read("component", scene.component);
   reader.read("magnitude", scene.magnitude);
   reader.read("width", scene.width);

@@ -43,6 +43,7 @@ struct hbScene {
   std::optional<ClipBox> clip;          ///< What of the volume is seen; the step and the planes are those of all of it.
   std::optional<Plane> slice;           ///< The mode slice's.
   std::optional<glm::dvec3> background; ///< Coded sRGB, channels in [0,1]; none: a dark gray.
+  bool labels = false;                  ///< Values are labels: the nearest sample's, none between them.
   int component = 0;
   bool magnitude = false;        ///< Show the Euclidean length of all components instead of one of them.
   int width = 512, height = 512; ///< Of the picture in pixels, 1 to kMaxPictureSide.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -106,6 +107,10 @@ public:
   /// What opacities are stated for in this volume where nobody says so: a hundredth of the longest edge of its box. It
   /// does not depend on the number of samples, so a picture does not change with resolution.
   static double defaultUnitLength(const hbGeometry& geometry);
+
+  /// A colour of its own for each label, a whole number from `least` to `greatest`, and for what is less than a half
+  /// away from it; 0 is not seen. Throws hbError for more than kMaxPoints / 2 labels, or none.
+  static hbTransferFunction ofLabels(std::int64_t least, std::int64_t greatest);
 
   /// One of presetNames(); throws hbError listing them for another one. doc/transfer-functions.md describes them.
   static hbTransferFunction preset(std::string_view name);

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scene/hbColorSpace.h"
 #include "scene/hbColormap.h"
 #include "scene/hbTransferFunction.h"
 #include "volume/hbError.h"
@@ -128,3 +130,25 @@ hbTransferFunction hbTransferFunction::preset(std::string_view name) {
 }
 
 std::span<const std::string_view> hbTransferFunction::presetNames() { return kNames; }
+
+// Hues a golden angle apart, so that neighbours differ, in three turns of saturation and brightness.
+hbTransferFunction hbTransferFunction::ofLabels(std::int64_t least, std::int64_t greatest) {
+  if (least > greatest || greatest - least >= std::int64_t(kMaxPoints / 2))
+    throw hbError(fmt::format("labels: expected 1 to {} from the least to the greatest, found {} to {}", kMaxPoints / 2,
+                              least, greatest));
+  constexpr double kGolden = 0.61803398874989485;
+  constexpr std::array kSaturations{0.55, 0.85, 0.35}, kBrightnesses{0.95, 0.80, 1.0};
+  constexpr double kOpacity = 0.6;
+  Definition d{.name = "labels", .colorSpace = ColorSpace::step};
+  for (std::int64_t label = least; label <= greatest; ++label) {
+    const double hue = double(label) * kGolden - std::floor(double(label) * kGolden);
+    const auto turn = std::size_t((label % 3 + 3) % 3);
+    const glm::dvec3 rgb = hb::hsvToRgb({hue, kSaturations[turn], kBrightnesses[turn]});
+    if (label == least) d.colors.push_back({double(label) - 0.5, rgb});
+    d.colors.push_back({double(label) + 0.5, rgb});
+    const double opacity = label == 0 ? 0.0 : kOpacity;
+    d.opacities.push_back({double(label) - 0.5, opacity});
+    d.opacities.push_back({double(label) + 0.5, opacity});
+  }
+  return hbTransferFunction(std::move(d));
+}

@@ -42,6 +42,9 @@ inline Cell cellOfNode(double x, std::int64_t size) {
   return cellAt(position, size);
 }
 
+// The nearest sample of a cell, the upper one in its middle.
+inline Cell nearestOf(const Cell& cell) { return {cell.index + (cell.t < 0.5F ? 0 : cell.step), 0, 0.0F}; }
+
 inline float lerp(float a, float b, float t) { return a + t * (b - a); }
 
 inline float trilinear(const std::array<float, 8>& v, float tx, float ty, float tz) {
@@ -114,12 +117,15 @@ hbVolumeField::hbVolumeField(hbVolume volume, const hbValueMap& map, std::option
 }
 
 void hbVolumeField::values(const hbPoints& points, int component, std::span<float> out) const {
-  if (const auto samples = vectorSamples(volume_, component, a_, b_); samples && !nonFinite_)
+  if (const auto samples = vectorSamples(volume_, component, a_, b_); samples && !nonFinite_ && !isNearest_)
     return hb::evaluateTrilinear(*samples, points, out);
   const hbSize3 size = volume_.geometry().size;
+  const auto cell = [&](float x, std::int64_t nodes) {
+    return isNearest_ ? nearestOf(cellOf(x, nodes)) : cellOf(x, nodes);
+  };
   withReader(volume_, component, a_, b_, nonFinite_, [&](const auto& reader) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const Cell x = cellOf(points.x[i], size.x), y = cellOf(points.y[i], size.y), z = cellOf(points.z[i], size.z);
+      const Cell x = cell(points.x[i], size.x), y = cell(points.y[i], size.y), z = cell(points.z[i], size.z);
       out[i] = trilinear(reader.corners(x, y, z), x.t, y.t, z.t);
     }
   });
@@ -127,6 +133,11 @@ void hbVolumeField::values(const hbPoints& points, int component, std::span<floa
 
 void hbVolumeField::gradients(const hbPoints& points, int component, std::span<float> out,
                               const hbGradients& gradient) const {
+  if (isNearest_) {
+    for (const std::span<float> slopes : {gradient.dx, gradient.dy, gradient.dz})
+      std::fill(slopes.begin(), slopes.end(), 0.0F);
+    return values(points, component, out);
+  }
   const hbSize3 size = volume_.geometry().size;
   const glm::vec3 cells(size - std::int64_t(1)); // 0 on a flat axis, whose slope is 0
   withReader(volume_, component, a_, b_, nonFinite_, [&](const auto& reader) {
@@ -147,13 +158,16 @@ void hbVolumeField::gradients(const hbPoints& points, int component, std::span<f
 void hbVolumeField::lattice(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs,
                             int component, float* out, std::size_t strideY, std::size_t strideZ) const {
   const hbSize3 size = volume_.geometry().size;
+  const auto cell = [&](double x, std::int64_t nodes) {
+    return isNearest_ ? nearestOf(cellOfNode(x, nodes)) : cellOfNode(x, nodes);
+  };
   std::vector<Cell> cells(xs.size());
-  std::transform(xs.begin(), xs.end(), cells.begin(), [&](double x) { return cellOfNode(x, size.x); });
+  std::transform(xs.begin(), xs.end(), cells.begin(), [&](double x) { return cell(x, size.x); });
   withReader(volume_, component, a_, b_, nonFinite_, [&](const auto& reader) {
     for (std::size_t k = 0; k < zs.size(); ++k) {
-      const Cell z = cellOfNode(zs[k], size.z);
+      const Cell z = cell(zs[k], size.z);
       for (std::size_t j = 0; j < ys.size(); ++j) {
-        const Cell y = cellOfNode(ys[j], size.y);
+        const Cell y = cell(ys[j], size.y);
         float* row = out + j * strideY + k * strideZ;
         for (std::size_t i = 0; i < xs.size(); ++i)
           row[i] = trilinear(reader.corners(cells[i], y, z), cells[i].t, y.t, z.t);

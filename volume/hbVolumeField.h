@@ -14,6 +14,14 @@ public:
   hbVolumeField(hbVolume volume, const hbValueMap& map, std::optional<double> nonFinite = std::nullopt);
   explicit hbVolumeField(const hbVolume& volume) : hbVolumeField(volume, volume.chooseValueMap()) {}
 
+  /// The same with the nearest sample in place of the interpolant, the upper one half-way: for labels, between which
+  /// nothing lies. Its gradients are 0.
+  hbVolumeField nearest() const {
+    hbVolumeField field = *this;
+    field.isNearest_ = true;
+    return field;
+  }
+
   const hbVolume& volume() const { return volume_; }
   const hbGeometry& geometry() const override { return volume_.geometry(); }
   int components() const override { return volume_.components(); }
@@ -36,4 +44,5 @@ private:
   hbValueMap map_;
   double a_ = 1.0, b_ = 0.0; ///< value = a * sample + b
   std::optional<float> nonFinite_;
+  bool isNearest_ = false;
 };

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -239,6 +240,39 @@ TEST_F(render, SlicesVolumes) {
   for (const char* engine : {"lattice", "opengl"})
     expectFailureLeavesAll({"render", "b.hbv", "x.exr", "--engine", engine, "--slice", "x:0"}, 1,
                            "slice: expected an engine of the ray caster");
+}
+
+// Labels 0, 3 and 7 in thirds along x; nothing in between is seen.
+TEST_F(render, ShowsLabels) {
+  writeVolume<std::uint8_t>("l.nrrd", {6, 4, 4}, 1, [](std::int64_t x, std::int64_t, std::int64_t, int) {
+    return x < 2 ? 0 : x < 4 ? 7 : 3;
+  });
+  EXPECT_RUNS(run({"render", "l.nrrd", "s.exr", "--slice", "z:0.4", "--labels", "--size", "60x40"}));
+  const hbPicture slice = picture("s.exr");
+  std::set<float> seen;
+  for (std::size_t i = 0; i < slice.find("Y")->size(); ++i)
+    if ((*slice.find("A"))[i] > 0.0F) seen.insert((*slice.find("Y"))[i]);
+  EXPECT_EQ(seen, (std::set<float>{0.0F, 3.0F, 7.0F}));
+  EXPECT_RUNS(run({"render", "l.nrrd", "s.png", "--slice", "z:0.4", "--labels", "--size", "60x40"}));
+  const hbImage8 image = hb::readPng(folder_ / "s.png");
+  std::set<std::array<int, 3>> colours;
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3)
+    colours.insert({image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
+  EXPECT_EQ(colours.size(), 3U); // two labels, and the background, which 0 shows, too
+  EXPECT_RUNS(run({"render", "l.nrrd", "d.exr", "--mode", "dvr", "--labels", "--size", "30x20", "--azimuth", "0",
+                   "--elevation", "0", "--unit-length", "0.5", "--save-scene", "scene.json"}));
+  const hbScene scene = hb::loadScene(folder_ / "scene.json");
+  EXPECT_TRUE(scene.labels);
+  EXPECT_EQ(scene.transfer->name(), "labels");
+  EXPECT_EQ(scene.transfer->range(), std::pair(-0.5, 7.5));
+  EXPECT_EQ(scene.transfer->definition().unitLength, 0.5);
+  const hbPicture lit = picture("d.exr");
+  EXPECT_EQ(lit.find("A")->at(30 * 10 + 6), 0.0F);
+  EXPECT_GT(lit.find("A")->at(30 * 10 + 15), 0.9F);
+  EXPECT_RUNS(run({"render", "l.nrrd", "again.exr", "--scene", "scene.json"}));
+  EXPECT_EQ(picture("again.exr").channels, lit.channels);
+  EXPECT_RUNS(run({"compress", "l.nrrd", "l.hbv", "--level", "2"}));
+  expectFailureLeavesAll({"render", "l.hbv", "x.exr", "--labels"}, 1, "--labels: expected a plain volume");
 }
 
 TEST_F(render, GoesAroundAndAlongPaths) {

@@ -34,6 +34,7 @@ hbScene everythingSet() {
   scene.clip = {{0.1, 0.0, 0.0}, {1.0, 1.0 / 3.0, 1.0}};
   scene.slice = {{0.1, 0.2, 0.3}, {0.0, -1.0, 1e-5}};
   scene.background = {0.1, 1.0, 1.0 / 3.0};
+  scene.labels = true;
   scene.component = 2;
   scene.magnitude = true;
   scene.width = 640;
@@ -92,7 +93,7 @@ TEST(hbScene, ErrorsNameTheFileAndTheKey) {
       {R"({"version": 1, "colour": 3})",
        "s.json: colour: unknown key; known are version, mode, camera, sampling, "
        "isoValue, window, colormap, transfer, preintegrated, shading, gradientOpacity, clip, slice, background, "
-       "component, magnitude, width, height"},
+       "labels, component, magnitude, width, height"},
       {R"({"version": 1, "mode": "best"})", "s.json: mode: expected xray, mip, iso, dvr or slice, found \"best\""},
       {R"({"version": 1, "mode": 3})", "s.json: mode: expected a string, found 3"},
       {R"({"version": 1, "width": 0})", "s.json: width: expected 1 to 16384, found 0"},

@@ -308,3 +308,19 @@ TEST(hbTransferFunction, ErrorsNameTheMember) {
   EXPECT_EQ(errorOf({.colors = colors, .belowColor = glm::dvec3(-1)}),
             "transfer function: BelowRangeColor: expected channels in [0,1], found -1");
 }
+
+TEST(hbTransferFunction, LabelsHaveColoursOfTheirOwn) {
+  const hbTransferFunction f = hbTransferFunction::ofLabels(-2, 1000);
+  for (int label = -2; label <= 1000; ++label) {
+    EXPECT_EQ(f.opacity(label) > 0.0, label != 0) << label;
+    EXPECT_EQ(f.colour(label), f.colour(label + 0.49)) << label;
+    EXPECT_EQ(f.colour(label), f.colour(label - 0.49)) << label;
+    for (int other = label - 3; other < label; ++other)
+      if (other >= -2) {
+        EXPECT_GT(glm::length(f.colour(label) - f.colour(other)), 0.05) << label << " " << other;
+      }
+  }
+  EXPECT_NO_THROW(hbTransferFunction::ofLabels(5, 5));
+  EXPECT_THROW(hbTransferFunction::ofLabels(0, 5000), hbError);
+  EXPECT_THROW(hbTransferFunction::ofLabels(1, 0), hbError);
+}

@@ -162,3 +162,26 @@ RC_GTEST_PROP(hbVolumeField, TheRangeEnclosesEveryValueOfTheBox, ()) {
   }
   RC_ASSERT(field.range(box, 0).contains(valueAt(field, p)));
 }
+
+TEST(hbVolumeField, TheNearestSampleIsOneOfTheSamples) {
+  const hbVolumeField field =
+      hbVolumeField(hbVolume::fromSamples<std::uint8_t>(cubeOf({5, 2, 1}), {9, 7, 0, 200, 3, 1, 2, 4, 8, 16}))
+          .nearest();
+  EXPECT_EQ(valueAt(field, {0.0F, 0.0F, 0.3F}), 9.0F);
+  EXPECT_EQ(valueAt(field, {0.124F, 0.49F, 0.0F}), 9.0F);
+  EXPECT_EQ(valueAt(field, {0.125F, 0.0F, 0.0F}), 7.0F); // half-way
+  EXPECT_EQ(valueAt(field, {0.87F, 0.5F, 0.0F}), 8.0F);
+  EXPECT_EQ(valueAt(field, {2.0F, 9.0F, 0.0F}), 16.0F);
+  EXPECT_EQ(valueAt(field, {std::numeric_limits<float>::quiet_NaN(), -1.0F, 0.0F}), 9.0F);
+  std::array<float, 3> p{0.3F, 0.2F, 0.1F}, slopes{1.0F, 1.0F, 1.0F};
+  float value = 0.0F;
+  field.gradients({{&p[0], 1}, {&p[1], 1}, {&p[2], 1}}, 0, {&value, 1},
+                  {{&slopes[0], 1}, {&slopes[1], 1}, {&slopes[2], 1}});
+  EXPECT_EQ(value, 7.0F);
+  EXPECT_EQ(slopes, (std::array<float, 3>{}));
+  const std::array<double, 3> xs{0.1, 0.4, 0.9}, ys{0.2, 0.5, 1.0}, zs{0.0, 0.5, 1.0};
+  std::array<float, 27> lattice{};
+  field.lattice(xs, ys, zs, 0, lattice.data(), 3, 9);
+  for (std::size_t i = 0; i < lattice.size(); ++i)
+    EXPECT_EQ(lattice[i], valueAt(field, {float(xs[i % 3]), float(ys[i / 3 % 3]), float(zs[i / 9])})) << i;
+}
