@@ -1,6 +1,8 @@
 #include "raycast/hbCentralDifferences.h"
 
 #include <algorithm>
+#include <tuple>
+#include <utility>
 
 #include <glm/matrix.hpp>
 
@@ -11,21 +13,27 @@ hbCentralDifferences::hbCentralDifferences(const hbField& field, int component)
 const std::vector<glm::dvec3>& hbCentralDifferences::at(std::span<const glm::dvec3> places) {
   const glm::dvec3 h = field_.geometry().cubeSpacing();
   gradients_.assign(places.size(), glm::dvec3(0.0));
-  span_.resize(places.size());
+  const auto ends = [&](const glm::dvec3& place, int d) {
+    return std::pair(std::max(0.0, place[d] - h[d]), std::min(1.0, place[d] + h[d]));
+  };
+  batch_.clear();
   for (int d = 0; d < 3; ++d) {
     if (field_.geometry().isFlat(d)) continue;
-    batch_.clear();
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      glm::dvec3 lower = places[i], upper = places[i];
-      lower[d] = std::max(0.0, lower[d] - h[d]);
-      upper[d] = std::min(1.0, upper[d] + h[d]);
+    for (const glm::dvec3& place : places) {
+      glm::dvec3 lower = place, upper = place;
+      std::tie(lower[d], upper[d]) = ends(place, d);
       batch_.add(lower);
       batch_.add(upper);
-      span_[i] = upper[d] - lower[d];
     }
-    batch_.evaluate(field_, component_);
-    for (std::size_t i = 0; i < places.size(); ++i)
-      gradients_[i][d] = (double(batch_.value[2 * i + 1]) - double(batch_.value[2 * i])) / span_[i];
+  }
+  batch_.evaluate(field_, component_);
+  const float* value = batch_.value.data();
+  for (int d = 0; d < 3; ++d) {
+    if (field_.geometry().isFlat(d)) continue;
+    for (std::size_t i = 0; i < places.size(); ++i, value += 2) {
+      const auto [lower, upper] = ends(places[i], d);
+      gradients_[i][d] = (double(value[1]) - double(value[0])) / (upper - lower);
+    }
   }
   for (glm::dvec3& gradient : gradients_) gradient = toWorld_ * gradient;
   return gradients_;

@@ -23,6 +23,5 @@ private:
   int component_;
   glm::dmat3 toWorld_; ///< The inverse transpose of cube to world.
   hbPointBatch batch_;
-  std::vector<double> span_;
   std::vector<glm::dvec3> gradients_;
 };

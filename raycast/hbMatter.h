@@ -19,11 +19,15 @@ public:
   /// Whether rays add up slabs between samples, by slab(), or pieces around samples, by at().
   bool isPreintegrated() const { return slabs_.has_value(); }
 
-  /// At a field value: hbTransferTable::at().
-  glm::vec4 at(float value) const { return table_->at(float(map_.toTrue(value))); }
-  /// Of a slab one step thick between two field values: hbPreintegration::at().
+  /// At a field value: hbTransferTable::at(), where it has extinction.
+  glm::vec4 at(float value) const {
+    const auto trueValue = float(map_.toTrue(value));
+    return table_->isClear(trueValue) ? glm::vec4(0.0F) : table_->at(trueValue);
+  }
+  /// Of a slab one step thick between two field values: hbPreintegration::at(), where it has opacity.
   glm::vec4 slab(float front, float back) const {
-    return slabs_->at(float(map_.toTrue(front)), float(map_.toTrue(back)));
+    const auto trueFront = float(map_.toTrue(front)), trueBack = float(map_.toTrue(back));
+    return slabs_->isClear(trueFront, trueBack) ? glm::vec4(0.0F) : slabs_->at(trueFront, trueBack);
   }
   double step() const { return step_; }
 

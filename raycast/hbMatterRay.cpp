@@ -23,12 +23,7 @@ void hbMatterRay::begin(const hbRay& ray, const hbRaySegment& segment) {
   places_.clear();
 }
 
-bool hbMatterRay::add(const glm::vec4& piece, double length, double middle) {
-  if (!(piece.a > 0.0F)) return true;
-  if (!isLit_) {
-    compose({piece, length}, {});
-    return !light_.isOpaque();
-  }
+bool hbMatterRay::addLit(const glm::vec4& piece, double length, double middle) {
   waiting_.push_back({piece, length});
   places_.push_back(segment_.at(middle));
   // Where gradients take nothing away, the end of the ray is known without them.
@@ -42,13 +37,6 @@ bool hbMatterRay::add(const glm::vec4& piece, double length, double middle) {
 const hbEmissionAbsorption& hbMatterRay::finish() {
   composeLit();
   return light_;
-}
-
-void hbMatterRay::compose(const Piece& piece, const hbShading::Reflection& reflection) {
-  if (matter_.isPreintegrated())
-    light_.addSlab(piece.matter, piece.length / matter_.step(), reflection);
-  else
-    light_.add(piece.matter, piece.length, reflection);
 }
 
 void hbMatterRay::composeLit() {

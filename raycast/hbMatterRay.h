@@ -20,7 +20,12 @@ public:
 
   /// The next piece: of hbMatter::at() or slab(), so long in the world, its middle so far from the ray's origin in the
   /// world. False once nothing behind it shows.
-  bool add(const glm::vec4& piece, double length, double middle);
+  bool add(const glm::vec4& piece, double length, double middle) {
+    if (!(piece.a > 0.0F)) return true;
+    if (isLit_) return addLit(piece, length, middle);
+    compose({piece, length}, {});
+    return !light_.isOpaque();
+  }
 
   const hbEmissionAbsorption& finish();
 
@@ -29,7 +34,13 @@ private:
     glm::vec4 matter;
     double length;
   };
-  void compose(const Piece& piece, const hbShading::Reflection& reflection);
+  void compose(const Piece& piece, const hbShading::Reflection& reflection) {
+    if (matter_.isPreintegrated())
+      light_.addSlab(piece.matter, piece.length / matter_.step(), reflection);
+    else
+      light_.add(piece.matter, piece.length, reflection);
+  }
+  bool addLit(const glm::vec4& piece, double length, double middle);
   void composeLit();
 
   const hbScene& scene_;

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -21,19 +23,19 @@
 
 namespace {
 
-constexpr int kTile = 16;           // pixels a side
-constexpr std::size_t kBatch = 256; // samples handed to the field at once
+constexpr int kTile = 16;            // pixels a side
+constexpr std::int32_t kBatch = 256; // samples handed to the field at once
 /// Of one ray: 16 times the planes of a scene, for rays at an angle of up to 86 degrees to the view axis.
 constexpr double kMostSamples = 16.0 * hbSampling::kMaxSamples;
 
 /// The samples of one ray: sample i lies at the world distance first + i * step, i < count, and stands for `weight`.
 struct RaySamples {
   double first = 0.0, step = 0.0, weight = 0.0;
-  std::int64_t count = 0;
+  std::int32_t count = 0;
   double firstWeight = 0.0, lastWeight = 0.0; ///< What the ends stand for: with them, weights add up to the ray.
 
   /// The length that sample i stands for where nothing may be left out.
-  double share(std::int64_t i) const { return i == 0 ? firstWeight : i + 1 == count ? lastWeight : weight; }
+  double share(std::int32_t i) const { return i == 0 ? firstWeight : i + 1 == count ? lastWeight : weight; }
 };
 
 /// A crossing of the iso-value: above and below at the ends of [a, b].
@@ -44,6 +46,29 @@ struct Crossing {
   double a = 0.0, b = 0.0;
   float valueA = 0.0F, valueB = 0.0F;
 };
+
+// Several sums, and several maxima, side by side: each of them alone would wait for one addition after the other.
+constexpr std::size_t kSideBySide = 8;
+
+double sumOf(std::span<const float> values) {
+  std::array<double, kSideBySide> sums{};
+  std::size_t i = 0;
+  for (; i + kSideBySide <= values.size(); i += kSideBySide)
+    for (std::size_t k = 0; k < kSideBySide; ++k) sums[k] += double(values[i + k]);
+  for (std::size_t k = 0; i + k < values.size(); ++k) sums[k] += double(values[i + k]);
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+/// NaN are left out; minus infinity where there is nothing else.
+float greatestOf(std::span<const float> values) {
+  std::array<float, kSideBySide> greatest;
+  greatest.fill(-std::numeric_limits<float>::infinity());
+  std::size_t i = 0;
+  for (; i + kSideBySide <= values.size(); i += kSideBySide)
+    for (std::size_t k = 0; k < kSideBySide; ++k) greatest[k] = std::max(greatest[k], values[i + k]);
+  for (std::size_t k = 0; i + k < values.size(); ++k) greatest[k] = std::max(greatest[k], values[i + k]);
+  return *std::max_element(greatest.begin(), greatest.end());
+}
 
 /// What all tiles of one frame share.
 struct Frame {
@@ -88,8 +113,8 @@ struct Frame {
     const double length = segment.length() / count;
     // Iso looks at both ends of every step, integrals and maxima at the midpoints.
     if (scene.mode == hbMode::iso || (matter && matter->isPreintegrated()))
-      return {segment.enter, length, length, std::int64_t(count) + 1};
-    return {segment.enter + 0.5 * length, length, length, std::int64_t(count), length, length};
+      return {segment.enter, length, length, std::int32_t(count) + 1};
+    return {segment.enter + 0.5 * length, length, length, std::int32_t(count), length, length};
   }
 
   RaySamples onPlanes(const hbRay& ray, const hbRaySegment& segment) const {
@@ -109,7 +134,7 @@ struct Frame {
     }
     if (last < first) return {};
     RaySamples samples{(extent.near + (first + 0.5) * step - start) / cosine, step / cosine, step / cosine,
-                       std::int64_t(last - first) + 1};
+                       std::int32_t(last - first) + 1};
     // The ends stand for what is left of the ray in the volume, up to the middle between two planes.
     const double half = 0.5 * samples.step, end = samples.first + double(samples.count - 1) * samples.step;
     samples.firstWeight = samples.count == 1 ? segment.length() : samples.first + half - segment.enter;
@@ -157,24 +182,31 @@ public:
   }
 
 private:
-  /// Hands the ray's values to visit(index, value) in batches; stops when visit returns false.
+  /// Hands the ray's values to visit(index of the first, values) in batches; stops when visit returns false.
+  template <class Visit>
+  void marchBatches(const hbRaySegment& segment, const RaySamples& samples, Visit visit) {
+    for (std::int32_t begin = 0; begin < samples.count; begin += kBatch) {
+      batch_.line(segment, samples.first, samples.step, begin, std::min(samples.count - begin, kBatch));
+      batch_.evaluate(frame_.field, frame_.scene.component);
+      if (!visit(begin, std::span<const float>(batch_.value))) return;
+    }
+  }
+
+  /// The same, one by one: to visit(index, value).
   template <class Visit>
   void march(const hbRaySegment& segment, const RaySamples& samples, Visit visit) {
-    for (std::int64_t begin = 0; begin < samples.count; begin += std::int64_t(kBatch)) {
-      const std::int64_t end = std::min(samples.count, begin + std::int64_t(kBatch));
-      batch_.clear();
-      for (std::int64_t i = begin; i < end; ++i) batch_.add(segment.at(samples.first + double(i) * samples.step));
-      batch_.evaluate(frame_.field, frame_.scene.component);
-      for (std::int64_t i = begin; i < end; ++i)
-        if (!visit(i, batch_.value[std::size_t(i - begin)])) return;
-    }
+    marchBatches(segment, samples, [&](std::int32_t begin, std::span<const float> values) {
+      for (const float value : values)
+        if (!visit(begin++, value)) return false;
+      return true;
+    });
   }
 
   void integrate(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
     if (samples.count == 0) return; // between two planes
     double sum = 0.0;
-    march(segment, samples, [&](std::int64_t, float value) {
-      sum += double(value);
+    marchBatches(segment, samples, [&](std::int32_t, std::span<const float> values) {
+      sum += sumOf(values);
       return true;
     });
     const double length = double(samples.count) * samples.weight;
@@ -184,8 +216,8 @@ private:
 
   void maximum(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
     float greatest = -std::numeric_limits<float>::infinity();
-    march(segment, samples, [&](std::int64_t, float value) {
-      greatest = std::max(greatest, value);
+    marchBatches(segment, samples, [&](std::int32_t, std::span<const float> values) {
+      greatest = std::max(greatest, greatestOf(values));
       return true;
     });
     if (samples.count == 0) return; // between two planes
@@ -194,7 +226,7 @@ private:
   }
 
   void composite(const hbRaySegment& segment, const RaySamples& samples) {
-    march(segment, samples, [&](std::int64_t i, float value) {
+    march(segment, samples, [&](std::int32_t i, float value) {
       return light_->add(frame_.matter->at(value), samples.share(i), samples.first + double(i) * samples.step);
     });
   }
@@ -209,7 +241,7 @@ private:
       end = until;
       return isSeen;
     };
-    march(segment, samples, [&](std::int64_t i, float value) {
+    march(segment, samples, [&](std::int32_t i, float value) {
       const float front = i > 0 ? before : value;
       before = value;
       return add(front, value, samples.first + double(i) * samples.step);
@@ -244,7 +276,7 @@ private:
 
   void findCrossing(const hbRay& ray, const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
     float before = 0.0F;
-    march(segment, samples, [&](std::int64_t i, float value) {
+    march(segment, samples, [&](std::int32_t i, float value) {
       const bool crossed = i > 0 && (before >= frame_.iso) != (value >= frame_.iso);
       if (crossed) {
         const double b = samples.first + double(i) * samples.step;

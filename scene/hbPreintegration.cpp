@@ -50,6 +50,7 @@ hbPreintegration::hbPreintegration(const hbTransferFunction& function, double lo
                               lo, hi));
   if (!(thickness > 0.0 && std::isfinite(thickness)))
     throw hbError(fmt::format("preintegration: expected a positive thickness, found {}", thickness));
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::size_t cells = entries - 1;
   entriesPerValue_ = double(cells) / (hi - lo);
   const auto valueAt = [&](double place) {
@@ -88,6 +89,17 @@ hbPreintegration::hbPreintegration(const hbTransferFunction& function, double lo
     }
     std::reverse(means.begin(), means.end());
   }
+
+  // Slabs from the first or the last value on pass all values on the way. A cell is left out for the rounding of
+  // places.
+  const auto isClear = [&](std::size_t i, std::size_t j) {
+    return entries_[i * size_ + j].a == 0.0F && entries_[j * size_ + i].a == 0.0F;
+  };
+  std::size_t first = 0, end = size_;
+  while (first < size_ && isClear(0, first)) ++first;
+  while (end > 0 && isClear(size_ - 1, end - 1)) --end;
+  clearBelow_ = first == 0 ? -kInfinity : lo_ + (double(first) - 2.0) / entriesPerValue_;
+  clearAbove_ = end == size_ ? kInfinity : lo_ + (double(end) + 1.0) / entriesPerValue_;
 }
 
 glm::vec4 hbPreintegration::at(float front, float back) const {

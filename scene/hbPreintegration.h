@@ -36,6 +36,12 @@ public:
   /// outside the range count as its ends; NaN for either is nothing. O(1).
   glm::vec4 at(float front, float back) const;
 
+  /// Whether both values lie in the stretch without extinction at the same end of all values, so that at() has no
+  /// opacity: faster than to look. Not for every such slab.
+  bool isClear(float front, float back) const {
+    return (front < clearBelow_ && back < clearBelow_) || (front > clearAbove_ && back > clearAbove_);
+  }
+
   /// N x N, the value at the back running fastest.
   const std::vector<glm::vec4>& entries() const { return entries_; }
   std::size_t size() const { return size_; }
@@ -44,4 +50,5 @@ private:
   std::size_t size_;
   std::vector<glm::vec4> entries_;
   double lo_, entriesPerValue_;
+  double clearBelow_, clearAbove_;
 };

@@ -27,13 +27,10 @@ hbTransferTable::hbTransferTable(const hbTransferFunction& function, std::size_t
     const double t = double(i) / last;
     entries_.push_back(entry((1.0 - t) * lo_ + t * hi_));
   }
-}
-
-glm::vec4 hbTransferTable::at(float value) const {
-  if (std::isnan(value)) return nan_;
-  if (value < lo_) return below_;
-  if (value > hi_) return above_;
-  const double place = (double(value) - lo_) * entriesPerValue_;
-  const std::size_t cell = std::min(std::size_t(place), entries_.size() - 2);
-  return glm::mix(entries_[cell], entries_[cell + 1], float(place - double(cell)));
+  // The last entries before what is seen; a cell is left out for the rounding of places.
+  const auto seen = [](const glm::vec4& e) { return e.a != 0.0F; };
+  const auto first = std::find_if(entries_.begin(), entries_.end(), seen) - entries_.begin();
+  const auto end = entries_.rend() - std::find_if(entries_.rbegin(), entries_.rend(), seen);
+  clearBelow_ = seen(below_) ? -kInfinity : lo_ + double(first - 2) / entriesPerValue_;
+  clearAbove_ = seen(above_) ? kInfinity : lo_ + double(end + 1) / entriesPerValue_;
 }

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/vec4.hpp>
 
 #include "scene/hbTransferFunction.h"
@@ -25,7 +28,18 @@ public:
 
   /// Red, green and blue in linear light, in [0,1], and the extinction coefficient in 1 / world length. Not multiplied
   /// with each other. Values outside the range, and NaN, have entries of their own, which are exact. O(1).
-  glm::vec4 at(float value) const;
+  glm::vec4 at(float value) const {
+    if (std::isnan(value)) return nan_;
+    if (value < lo_) return below_;
+    if (value > hi_) return above_;
+    const double place = (double(value) - lo_) * entriesPerValue_;
+    const std::size_t cell = std::min(std::size_t(place), entries_.size() - 2);
+    return glm::mix(entries_[cell], entries_[cell + 1], float(place - double(cell)));
+  }
+
+  /// Whether a value lies in one of the stretches without extinction at both ends of all values, so that at() has none:
+  /// faster than to look. Not for every such value.
+  bool isClear(float value) const { return value < clearBelow_ || value > clearAbove_; }
 
   const std::vector<glm::vec4>& entries() const { return entries_; }
 
@@ -37,4 +51,5 @@ private:
   glm::vec4 below_{0.0F}, above_{0.0F}, nan_{0.0F};
   double lo_, hi_;
   double entriesPerValue_;
+  double clearBelow_, clearAbove_;
 };

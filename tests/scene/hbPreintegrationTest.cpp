@@ -130,3 +130,24 @@ TEST(hbPreintegration, RefusesWhatItCannotHold) {
   EXPECT_THROW(hbPreintegration(f, 0.0, 1.0, 0.0), hbError);
   EXPECT_THROW(hbPreintegration(hbTransferFunction::preset("fire"), 0.0, 1.0, 1.0), hbError);
 }
+
+TEST(hbPreintegration, ClearSlabsHaveNoOpacity) {
+  const hbTransferFunction f({.colors = {{0, {1, 1, 1}}, {10, {1, 1, 1}}},
+                              .opacities = {{0, 0.0}, {3, 0.0}, {5, 0.6}, {7, 0.0}, {10, 0.0}},
+                              .unitLength = 1.0});
+  const hbPreintegration table(f, -1.0, 11.0, 0.5, 97);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (float front = -2.0F; front < 12.0F; front += 0.0625F)
+    for (float back = -2.0F; back < 12.0F; back += 0.0625F)
+      if (table.isClear(front, back)) EXPECT_EQ(table.at(front, back).a, 0.0F) << front << " " << back;
+  EXPECT_TRUE(table.isClear(-2.0F, 2.5F));
+  EXPECT_TRUE(table.isClear(12.0F, 7.5F));
+  EXPECT_FALSE(table.isClear(2.0F, 8.0F)); // past what is seen
+  EXPECT_FALSE(table.isClear(2.0F, nan));
+  EXPECT_FALSE(table.isClear(nan, nan));
+}
+
+TEST(hbPreintegration, NothingIsClearOfWhatIsSeenEverywhere) {
+  const hbPreintegration table(smooth(), 0.0, 4.0, 0.5, 33);
+  for (const float value : {-1.0F, 0.0F, 2.0F, 4.0F, 5.0F}) EXPECT_FALSE(table.isClear(value, value));
+}

@@ -107,3 +107,36 @@ TEST(hbTransferTable, RefusesWhatItCannotHold) {
   for (const std::size_t entries : {std::size_t{0}, std::size_t{1}, hbTransferTable::kMaxEntries + 1})
     EXPECT_THROW(hbTransferTable(f.withUnitLength(1.0), entries), hbError);
 }
+
+TEST(hbTransferTable, ClearValuesHaveNoExtinction) {
+  using Points = std::vector<hbTransferFunction::OpacityPoint>;
+  const auto infinity = std::numeric_limits<float>::infinity();
+  for (const Points& points :
+       {Points{{0.0, 0.0}, {0.3, 0.0}, {0.5, 0.6}, {0.7, 0.0}, {1.0, 0.0}}, Points{{0.0, 0.2}, {0.4, 0.0}, {1.0, 0.0}},
+        Points{{0.0, 0.0}, {1.0, 0.0}}, Points{{0.0, 0.0}, {1.0, 1e-9}}, Points{{0.0, 0.1}, {1.0, 0.1}}})
+    for (const auto outside : {hbTransferFunction::Outside::clamp, hbTransferFunction::Outside::zero})
+      for (const std::size_t entries : {2U, 3U, 97U}) {
+        const hbTransferTable table(hbTransferFunction({.colors = {{0.0, {1, 1, 1}}, {1.0, {1, 1, 1}}},
+                                                        .opacities = points,
+                                                        .nanOpacity = 0.5,
+                                                        .outside = outside,
+                                                        .unitLength = 1.0}),
+                                    entries);
+        std::vector<float> values{-infinity, -1.0F, -0.001F, 1.001F, 2.0F, infinity};
+        for (std::size_t i = 0; i < entries; ++i)
+          for (const float around : {-1e-3F, -6e-8F, 0.0F, 6e-8F, 1e-3F})
+            values.push_back(float(double(i) / double(entries - 1)) + around);
+        for (const float value : values)
+          if (table.isClear(value)) EXPECT_EQ(table.at(value).a, 0.0F) << value;
+        EXPECT_FALSE(table.isClear(std::numeric_limits<float>::quiet_NaN()));
+      }
+}
+
+TEST(hbTransferTable, WhatIsFarFromAllExtinctionIsClear) {
+  const hbTransferTable table(hbTransferFunction({.colors = {{0.0, {1, 1, 1}}, {1.0, {1, 1, 1}}},
+                                                  .opacities = {{0.0, 0.0}, {0.4, 0.0}, {0.5, 0.6}, {0.7, 0.0}},
+                                                  .unitLength = 1.0}));
+  // Two cells of 4096 around what is seen are not promised.
+  for (const float value : {-1.0F, 0.0F, 0.39F, 0.71F, 1.0F, 9.0F}) EXPECT_TRUE(table.isClear(value)) << value;
+  for (const float value : {0.41F, 0.5F, 0.69F}) EXPECT_FALSE(table.isClear(value)) << value;
+}
