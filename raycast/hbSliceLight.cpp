@@ -1,6 +1,7 @@
 #include "raycast/hbSliceLight.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -8,32 +9,47 @@
 
 #include "volume/hbParallel.h"
 
+namespace {
+
+constexpr int kTogether = 64; // rays that are looked at for whether anything shows there
+
+} // namespace
+
 hbSliceLight::hbSliceLight(const hbShearFactorisation& rays, const hbSliceSampler::Source& source,
                            const hbMatter& matter, const hbVisibility& visibility, const glm::dmat3& toWorld,
                            Memory& memory)
     : rays_(rays), sampler_(rays, source), chords_(rays), tasks_(rays), matter_(matter), visibility_(visibility),
-      toWorld_(toWorld), memory_(memory) {}
+      memory_(memory) {
+  const hbShearFactorisation::Slice change = rays.changeOfSlice();
+  way_ = toWorld * rays.point(change, 0.0, 0.0);
+  wayOfA_ = toWorld * rays.point(change, 1.0, 0.0) - way_;
+  wayOfB_ = toWorld * rays.point(change, 0.0, 1.0) - way_;
+}
 
 double hbSliceLight::bytes() const {
-  const double ofThread = tasks_.raysAPiece() * (2 * sizeof(float) + sizeof(double)) + sampler_.bytes();
-  return double(sizeof(glm::vec4)) * rays_.u().count * rays_.v().count +
+  const double ofThread = tasks_.raysAPiece() * 2 * sizeof(float) + sampler_.bytes();
+  return double(sizeof(glm::vec4) + sizeof(float)) * rays_.u().count * rays_.v().count +
          double(sizeof(hbEmissionAbsorption)) * tasks_.raysAtOnce() + hb::parallelThreads() * ofThread;
 }
 
-double hbSliceLight::slab(int i, int j) const {
-  const glm::dvec3 way = rays_.point(rays_.changeOfSlice(), rays_.u().at(i), rays_.v().at(j));
-  return glm::length(toWorld_ * way);
+std::vector<float> hbSliceLight::slabs() const {
+  const auto columns = std::size_t(rays_.u().count);
+  std::vector<float> lengths(columns * std::size_t(rays_.v().count));
+  hb::parallelFor(rays_.v().count, [&](std::int64_t j) {
+    const glm::dvec3 ofRow = way_ + rays_.v().at(int(j)) * wayOfB_;
+    for (std::size_t i = 0; i < columns; ++i)
+      lengths[i + columns * std::size_t(j)] = float(glm::length(ofRow + rays_.u().at(int(i)) * wayOfA_));
+  });
+  return lengths;
 }
 
-void hbSliceLight::composite(const Piece& piece, Part& part, hbProgress& progress) const {
+void hbSliceLight::composite(const Piece& piece, std::span<const float> slabs, Part& part, hbProgress& progress) const {
   const hbPool<Scratch>::Lease scratch(memory_.scratch);
   scratch->sampler.restart();
   const auto stride = std::size_t(rays_.u().count);
   const std::size_t size = stride * std::size_t(piece.v1 - piece.v0);
   for (std::vector<float>* slice : {&scratch->before, &scratch->now})
     if (slice->size() < size) slice->resize(size);
-  scratch->slabs.resize(size);
-  for (std::size_t at = 0; at < size; ++at) scratch->slabs[at] = slab(int(at % stride), piece.v0 + int(at / stride));
   part.light.assign(size, {});
   part.isEmpty = true;
   // A slab lies between two slices: the last one of the chunk before is looked at again.
@@ -43,19 +59,25 @@ void hbSliceLight::composite(const Piece& piece, Part& part, hbProgress& progres
     if (!r.isEmpty()) {
       const std::size_t corner = std::size_t(r.u0) + stride * std::size_t(r.v0 - piece.v0);
       sampler_.sample(n, r, scratch->sampler, 0.0F, scratch->now.data() + corner);
-      if (n >= piece.begin) addSlice(n, r, piece, *scratch, part);
+      if (n >= piece.begin) addSlice(n, r, piece, slabs, *scratch, part);
     }
     scratch->before.swap(scratch->now);
     if (n >= piece.begin) progress.advance(1);
   }
 }
 
-void hbSliceLight::addSlice(int n, const Rectangle& r, const Piece& piece, const Scratch& scratch, Part& part) const {
+void hbSliceLight::addSlice(int n, const Rectangle& r, const Piece& piece, std::span<const float> slabs,
+                            const Scratch& scratch, Part& part) const {
   const Rectangle inner = sampler_.inner(n, r);
   for (int j = r.v0; j < r.v1; ++j) {
-    const std::size_t at = std::size_t(rays_.u().count) * std::size_t(j - piece.v0);
-    const Row row{
-        n, j, scratch.before.data() + at, scratch.now.data() + at, scratch.slabs.data() + at, part.light.data() + at};
+    const auto stride = std::size_t(rays_.u().count);
+    const std::size_t at = stride * std::size_t(j - piece.v0);
+    const Row row{n,
+                  j,
+                  scratch.before.data() + at,
+                  scratch.now.data() + at,
+                  slabs.data() + stride * std::size_t(j),
+                  part.light.data() + at};
     const bool isInner = j >= inner.v0 && j < inner.v1;
     const int u0 = isInner ? inner.u0 : r.u1, u1 = isInner ? inner.u1 : r.u1;
     addEnds(row, r.u0, u0);
@@ -66,27 +88,39 @@ void hbSliceLight::addSlice(int n, const Rectangle& r, const Piece& piece, const
 }
 
 bool hbSliceLight::isInvisible(const Row& row, int u0, int u1) const {
+  // In lanes, which a processor compares at once.
+  constexpr int kLanes = 8;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  float least = kInfinity, greatest = -kInfinity;
+  std::array<float, kLanes> least, greatest;
+  least.fill(kInfinity);
+  greatest.fill(-kInfinity);
   const auto cover = [&](const float* values) {
-    for (int i = u0; i < u1; ++i) {
-      least = values[i] < least ? values[i] : least;
-      greatest = values[i] > greatest ? values[i] : greatest;
-    }
+    const auto take = [&](int i, std::size_t lane) {
+      least[lane] = values[i] < least[lane] ? values[i] : least[lane];
+      greatest[lane] = values[i] > greatest[lane] ? values[i] : greatest[lane];
+    };
+    int i = u0;
+    for (; i + kLanes <= u1; i += kLanes)
+      for (int lane = 0; lane < kLanes; ++lane) take(i + lane, std::size_t(lane));
+    for (; i < u1; ++i) take(i, 0);
   };
   cover(row.now);
   if (matter_.isPreintegrated()) cover(row.before);
-  return visibility_.isInvisible(least, greatest);
+  return visibility_.isInvisible(*std::min_element(least.begin(), least.end()),
+                                 *std::max_element(greatest.begin(), greatest.end()));
 }
 
 void hbSliceLight::addInner(const Row& row, int u0, int u1) const {
-  if (u0 >= u1 || isInvisible(row, u0, u1)) return;
-  for (int i = u0; i < u1; ++i) {
-    if (row.light[i].transmittance() < kOpaque) continue;
-    if (matter_.isPreintegrated())
-      matter_.addSlab(row.before[i], row.now[i], row.slabs[i], row.light[i]);
-    else
-      matter_.add(row.now[i], row.slabs[i], row.light[i]);
+  for (int from = u0; from < u1; from += kTogether) {
+    const int to = std::min(u1, from + kTogether);
+    if (isInvisible(row, from, to)) continue;
+    for (int i = from; i < to; ++i) {
+      if (row.light[i].transmittance() < kOpaque) continue;
+      if (matter_.isPreintegrated())
+        matter_.addSlab(row.before[i], row.now[i], row.slabs[i], row.light[i]);
+      else
+        matter_.add(row.now[i], row.slabs[i], row.light[i]);
+    }
   }
 }
 
@@ -107,28 +141,28 @@ void hbSliceLight::addEnds(const Row& row, int u0, int u1) const {
   }
 }
 
-void hbSliceLight::merge(int v0, int v1, std::span<const Part> parts, std::span<glm::vec4> result) const {
+void hbSliceLight::merge(int v0, int v1, std::span<const float> slabs, std::span<const Part> parts,
+                         std::span<glm::vec4> result) const {
   const auto columns = std::size_t(rays_.u().count);
   for (int j = v0; j < v1; ++j)
     for (std::size_t i = 0; i < columns; ++i) {
-      const std::size_t at = i + columns * std::size_t(j - v0);
+      const std::size_t at = i + columns * std::size_t(j);
       hbEmissionAbsorption light;
       for (const Part& part : parts)
-        if (!part.isEmpty) light.add(part.light[at]);
+        if (!part.isEmpty) light.add(part.light[at - columns * std::size_t(v0)]);
       const hbRayChords::Chord chord = chords_.at(int(i), j);
       result[at] = chord.isEmpty() ? glm::vec4(std::numeric_limits<float>::quiet_NaN())
-                                   : light.matter(chord.length() * slab(int(i), j));
+                                   : light.matter(chord.length() * double(slabs[at]));
     }
 }
 
 std::vector<glm::vec4> hbSliceLight::run(hbProgress& progress) const {
   const auto columns = std::size_t(rays_.u().count);
   std::vector<glm::vec4> result(columns * std::size_t(rays_.v().count));
+  const std::vector<float> lengths = slabs();
   const hbPool<std::vector<Part>>::Lease parts(memory_.parts);
   tasks_.run(
-      *parts, [&](const Piece& piece, Part& part) { composite(piece, part, progress); },
-      [&](int v0, int v1, std::span<const Part> ofBand) {
-        merge(v0, v1, ofBand, std::span(result).subspan(columns * std::size_t(v0), columns * std::size_t(v1 - v0)));
-      });
+      *parts, [&](const Piece& piece, Part& part) { composite(piece, lengths, part, progress); },
+      [&](int v0, int v1, std::span<const Part> ofBand) { merge(v0, v1, lengths, ofBand, result); });
   return result;
 }

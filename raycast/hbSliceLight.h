@@ -48,19 +48,23 @@ private:
   struct Row {
     int n = 0, j = 0;
     const float *before = nullptr, *now = nullptr; ///< Values in the slice before, if pre-integrated, and in n.
-    const double* slabs = nullptr;                 ///< World lengths from slice to slice.
+    const float* slabs = nullptr;                  ///< World lengths from slice to slice.
     hbEmissionAbsorption* light = nullptr;
   };
 
-  void composite(const Piece& piece, Part& part, hbProgress& progress) const;
-  void addSlice(int n, const Rectangle& r, const Piece& piece, const Scratch& scratch, Part& part) const;
+  void composite(const Piece& piece, std::span<const float> slabs, Part& part, hbProgress& progress) const;
+  void addSlice(int n, const Rectangle& r, const Piece& piece, std::span<const float> slabs, const Scratch& scratch,
+                Part& part) const;
   /// Rays u0 to u1 of a row, which go on through the cube before and after the slice.
   void addInner(const Row& row, int u0, int u1) const;
   /// Any.
   void addEnds(const Row& row, int u0, int u1) const;
   bool isInvisible(const Row& row, int u0, int u1) const;
-  double slab(int i, int j) const;
-  void merge(int v0, int v1, std::span<const Part> parts, std::span<glm::vec4> result) const;
+  /// World lengths of all rays from slice to slice.
+  std::vector<float> slabs() const;
+  /// Rows v0 to v1 of the result.
+  void merge(int v0, int v1, std::span<const float> slabs, std::span<const Part> parts,
+             std::span<glm::vec4> result) const;
 
   const hbShearFactorisation& rays_;
   hbSliceSampler sampler_;
@@ -68,7 +72,8 @@ private:
   hbSliceTasks tasks_;
   const hbMatter& matter_;
   const hbVisibility& visibility_;
-  glm::dmat3 toWorld_;
+  /// From slice to slice in the world, the ray of (a, b) goes way_ + a wayOfA_ + b wayOfB_.
+  glm::dvec3 way_, wayOfA_, wayOfB_;
   Memory& memory_;
 };
 
@@ -81,7 +86,6 @@ struct hbSliceLight::Part {
 struct hbSliceLight::Scratch {
   hbSliceSampler::Scratch sampler;
   std::vector<float> before, now;
-  std::vector<double> slabs;
 };
 
 struct hbSliceLight::Memory {
