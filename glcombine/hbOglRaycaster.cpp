@@ -43,6 +43,8 @@ struct hbOglRaycaster::Parts {
   Parts(const hbGlContext& c, const hbSparseGrid& g, const hbScene& asked, const Options& choice)
       : context(c), gl(c.gl()), grid(g), scene(hbPlaneRays(g, asked).scene()), options(choice) {
     options.blend.memory = options.memory;
+    if (scene.mode == hbMode::dvr && !(options.form == Form::blend && options.readBack))
+      throw hbError("dvr: expected blending with planes read back, or an engine of the ray caster");
     const int most = mostTexels();
     if (std::max(scene.width, scene.height) > most)
       throw hbError(fmt::format("picture: expected sides of at most {} pixels on this device, found {} x {}", most,

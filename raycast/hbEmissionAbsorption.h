@@ -55,6 +55,8 @@ public:
   const glm::dvec3& colour() const { return colour_; }
   double transmittance() const { return transmittance_; }
   double opacity() const { return 1.0 - transmittance_; }
+  /// colour() and opacity(), as pictures have them.
+  glm::vec4 shown() const { return glm::vec4(glm::dvec4(colour_, opacity())); }
   bool isOpaque() const { return transmittance_ < kOpaque; }
 
 private:

@@ -30,6 +30,9 @@ public:
     return slabs_->isClear(trueFront, trueBack) ? glm::vec4(0.0F) : slabs_->at(trueFront, trueBack);
   }
   double step() const { return step_; }
+  /// Of true values; one or the other is there.
+  const hbTransferTable& table() const { return *table_; }
+  const hbPreintegration& slabs() const { return *slabs_; }
 
   /// Adds a piece of one field value to what a ray sees, and a pre-integrated slab between two, so long in the world.
   void add(float value, double length, hbEmissionAbsorption& light) const {

@@ -14,6 +14,9 @@ hbPlaneCompositor::hbPlaneCompositor(const hbPlaneRays& rays) : rays_(rays) {
   if (mode == hbMode::xray) sums_.assign(pixels, 0.0);
   if (mode != hbMode::xray) greatest_.assign(pixels, -std::numeric_limits<float>::infinity());
   if (mode == hbMode::iso) isFound_.assign(pixels, false);
+  if (mode != hbMode::dvr) return;
+  matter_.emplace(rays.scene(), rays.field().valueMap(), rays.step());
+  lights_.resize(pixels);
 }
 
 void hbPlaneCompositor::add(int index, std::span<const float> values) {
@@ -39,11 +42,27 @@ void hbPlaneCompositor::add(int index, std::span<const float> values) {
       }
       greatest_[i] = value;
       break;
-    case hbMode::dvr: // hbPlaneRays refuses both
-    case hbMode::slice:
+    case hbMode::dvr:
+      composite(i, index, value);
+      break;
+    case hbMode::slice: // hbPlaneRays refuses it
       break;
     }
   }
+}
+
+void hbPlaneCompositor::composite(std::size_t pixel, int index, float value) {
+  const hbPlaneRays::Ray& ray = rays_.rays()[pixel];
+  hbEmissionAbsorption& light = lights_[pixel];
+  if (light.isOpaque()) return;
+  if (!matter_->isPreintegrated()) return matter_->add(value, rays_.share(ray, index), light);
+  // What lies before the first plane and behind the last has their values.
+  if (index == ray.first)
+    matter_->add(value, ray.before, light);
+  else
+    matter_->addSlab(greatest_[pixel], value, rays_.step() / ray.cosine, light);
+  greatest_[pixel] = value;
+  if (index == ray.last && !light.isOpaque()) matter_->add(value, ray.behind, light);
 }
 
 hbPicture hbPlaneCompositor::finish() const {
@@ -53,11 +72,14 @@ hbPicture hbPlaneCompositor::finish() const {
   case hbMode::mip:
     return rays_.mip(greatest_);
   case hbMode::iso:
+    return rays_.iso(shaded());
   case hbMode::dvr:
   case hbMode::slice:
     break;
   }
-  return rays_.iso(shaded());
+  std::vector<glm::vec4> shown;
+  for (const hbEmissionAbsorption& light : lights_) shown.push_back(light.shown());
+  return rays_.dvr(shown, *matter_);
 }
 
 std::vector<hbPlaneRays::Surface> hbPlaneCompositor::shaded() const {

@@ -10,8 +10,10 @@
 #include <glm/vec2.hpp>
 
 #include "raycast/hbPixelRays.h"
+#include "raycast/hbPointBatch.h"
 #include "raycast/hbRaySegment.h"
 #include "raycast/hbSceneCheck.h"
+#include "scene/hbColorSpace.h"
 #include "volume/hbError.h"
 
 hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
@@ -19,7 +21,6 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
   hb::checkScene(scene, field);
   scene_.camera = scene.cameraFor(field.geometry());
   scene_.sampling.kind = hbSampling::Kind::planewise;
-  if (scene.mode == hbMode::dvr) throw hbError("dvr: expected an engine of the ray caster, found one of planes");
   if (scene.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of planes");
   if (scene.isoValue) iso_ = float(field.valueMap().fromTrue(*scene.isoValue));
   const hbCamera& camera = *scene_.camera;
@@ -37,8 +38,13 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
     // As hbRaycaster has it; rays of both projections start on the plane through the camera's position.
     const double start = glm::dot(through.origin - camera.position, axis);
     const auto place = [&](double way) { return (start + way * cosine - near_) / step_ - 0.5; };
-    rays_[pixel] = {std::int32_t(std::max(0.0, std::ceil(place(segment->enter)))),
-                    std::int32_t(std::min(planes_ - 1.0, std::floor(place(segment->leave)))), cosine};
+    Ray& made = rays_[pixel];
+    made = {std::int32_t(std::max(0.0, std::ceil(place(segment->enter)))),
+            std::int32_t(std::min(planes_ - 1.0, std::floor(place(segment->leave)))), cosine};
+    const auto way = [&](int plane) { return (distance(plane) - start) / cosine; };
+    const bool isBetween = made.last < made.first;
+    made.before = isBetween ? 0.5 * segment->length() : way(made.first) - segment->enter;
+    made.behind = isBetween ? 0.5 * segment->length() : segment->leave - way(made.last);
   }
 }
 
@@ -152,4 +158,40 @@ hbPicture hbPlaneRays::iso(std::span<const Surface> surfaces) const {
     value[pixel] = float(field_.valueMap().toTrue(surface.value));
   }
   return picture;
+}
+
+hbPicture hbPlaneRays::dvr(std::span<const glm::vec4> lights, const hbMatter& matter) const {
+  std::vector<glm::vec4> shown(lights.begin(), lights.end());
+  addBetween(shown, matter);
+  hbPicture picture = empty();
+  std::vector<float>&red = picture.add("R"), &green = picture.add("G"), &blue = picture.add("B"),
+  &y = picture.channels["Y"], &a = picture.channels["A"];
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const glm::vec4& light = shown[i];
+    red[i] = light.r;
+    green[i] = light.g;
+    blue[i] = light.b;
+    y[i] = float(hb::linearToXyz(glm::dvec3(light)).y);
+    a[i] = light.a;
+  }
+  return picture;
+}
+
+void hbPlaneRays::addBetween(std::span<glm::vec4> lights, const hbMatter& matter) const {
+  std::vector<std::size_t> pixels;
+  hbPointBatch batch;
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    if (rays_[i].last >= rays_[i].first || !(rays_[i].before > 0.0)) continue;
+    const auto segment = hb::clipToCube(ray(i), worldToCube_);
+    pixels.push_back(i);
+    batch.add(segment->at(segment->enter + 0.5 * segment->length()));
+  }
+  if (pixels.empty()) return;
+  batch.evaluate(field_, scene_.component);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Ray& ray = rays_[pixels[i]];
+    hbEmissionAbsorption light;
+    matter.add(batch.value[i], ray.before + ray.behind, light);
+    lights[pixels[i]] = light.shown();
+  }
 }

@@ -6,7 +6,9 @@
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
+#include "raycast/hbMatter.h"
 #include "scene/hbPicture.h"
 #include "scene/hbScene.h"
 #include "volume/hbField.h"
@@ -31,6 +33,9 @@ public:
   struct Ray {
     std::int32_t first = 0, last = -1;
     double cosine = 1.0; ///< Between the ray and the view axis.
+    /// World lengths in the volume before the first plane and behind the last; of a ray that passes between two planes,
+    /// or none, half of its length there each.
+    double before = 0.0, behind = 0.0;
   };
 
   /// A piece of an iso-surface seen in a pixel.
@@ -42,8 +47,8 @@ public:
     float value = 0.0F;     ///< The field's.
   };
 
-  /// Of a picture of `field`, to which a reference is kept, with the scene's size, camera and sampling. Throws hbError
-  /// as hbRaycaster does.
+  /// Of a picture of `field`, to which a reference is kept, with the scene's size, camera and sampling; its `shading`,
+  /// `gradientOpacity` and `clip` are not looked at. Throws hbError as hbRaycaster does, and for the mode slice.
   hbPlaneRays(const hbField& field, const hbScene& scene);
 
   /// With its camera.
@@ -53,11 +58,18 @@ public:
   /// The field value of the scene's iso-value; 0 without one.
   float iso() const { return iso_; }
 
-  /// How many planes there are, front to back.
+  /// How many planes there are, front to back, and the world distance between them.
   int planes() const { return planes_; }
+  double step() const { return step_; }
   Plane plane(int index) const;
   /// Of all pixels, the top row first.
   const std::vector<Ray>& rays() const { return rays_; }
+  /// The world length of a ray for which the sample on a plane stands, one of first to last: what lies nearest to it,
+  /// the ends of the ray included.
+  double share(const Ray& ray, int plane) const {
+    const double half = 0.5 * step_ / ray.cosine;
+    return (plane == ray.first ? ray.before : half) + (plane == ray.last ? ray.behind : half);
+  }
   /// The direction of a pixel's ray in the world, of length 1, and where it is at that place, in the cube.
   glm::dvec3 direction(std::size_t pixel) const;
   glm::dvec3 at(std::size_t pixel, double place) const;
@@ -67,12 +79,17 @@ public:
   hbPicture xray(std::span<const double> sums) const;
   hbPicture mip(std::span<const float> maxima) const;
   hbPicture iso(std::span<const Surface> surfaces) const;
+  /// From what is seen along the rays: red, green and blue in linear light, multiplied by the opacity, and the opacity.
+  /// What rays that meet no plane show is found here, of one sample in the middle of each: light is not lost between
+  /// two planes.
+  hbPicture dvr(std::span<const glm::vec4> lights, const hbMatter& matter) const;
 
 private:
   double distance(double place) const { return near_ + (place + 0.5) * step_; }
   hbRay ray(std::size_t pixel) const;
   Window window(int plane) const;
   hbPicture empty() const;
+  void addBetween(std::span<glm::vec4> lights, const hbMatter& matter) const;
 
   const hbField& field_;
   hbScene scene_;

@@ -9,7 +9,7 @@
 #include "raycast/hbRaycaster.h"
 #include "scene/hbColorSpace.h"
 #include "scene/hbTransferTable.h"
-#include "tests/raycast/hbTestScenes.h"
+#include "tests/raycast/hbDvrScenes.h"
 #include "volume/hbError.h"
 
 using namespace hbTestScenes;
@@ -24,14 +24,6 @@ hbTransferFunction transfer(std::vector<hbTransferFunction::OpacityPoint> opacit
   d.opacities = std::move(opacities);
   d.unitLength = unitLength;
   return hbTransferFunction(std::move(d));
-}
-
-hbScene dvrScene(const hbTransferFunction& function, const hbCamera& camera, int samples,
-                 hbSampling::Kind kind = hbSampling::Kind::equidistant) {
-  hbScene scene = sceneOf(hbMode::dvr, camera, 19, 13, samples);
-  scene.sampling.kind = kind;
-  scene.transfer = function;
-  return scene;
 }
 
 hbVolumeField volumeOf(const hbGeometry& g, const std::function<double(const glm::dvec3&)>& f) {

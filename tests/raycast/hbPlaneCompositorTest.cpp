@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "raycast/hbRaycaster.h"
+#include "tests/raycast/hbDvrBounds.h"
+#include "tests/raycast/hbDvrScenes.h"
 #include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 #include "volume/hbError.h"
@@ -40,6 +42,20 @@ hbScene planewise(hbMode mode, const hbCamera& camera) {
   hbScene scene = sceneOf(mode, camera, 19, 13);
   scene.sampling.kind = hbSampling::Kind::planewise;
   return scene;
+}
+
+void expectNear(const hbPicture& found, const hbPicture& expected, const hbPlaneRays& rays, double perValue, int& seen,
+                int& opaque) {
+  const hbDvrBounds bounds(rays);
+  const std::vector<float> opacities = channel(expected, "A");
+  for (std::size_t i = 0; i < opacities.size(); ++i) {
+    // Shown in floats, of which a luminance is a sum.
+    const double tolerance = bounds.channel(i, perValue) + hbDvrBounds::ends(opacities[i]) + 0x1p-22;
+    for (const char* name : {"R", "G", "B", "A", "Y"})
+      EXPECT_NEAR(channel(found, name)[i], channel(expected, name)[i], tolerance) << name << i;
+    seen += opacities[i] > 0.0F;
+    opaque += opacities[i] > 1.0 - hbEmissionAbsorption::kOpaque;
+  }
 }
 
 } // namespace
@@ -99,6 +115,40 @@ TEST(hbPlaneCompositor, IsoSurfacesLieWherePlanewiseRayCastingFindsThem) {
       }
   }
   EXPECT_GT(surfaces, 500);
+}
+
+// The same samples, lengths and sums, but for the rounding of points and of lengths (in 64 bits) and of what is shown.
+TEST(hbPlaneCompositor, DvrIsPlanewiseRayCasting) {
+  for (const hbGeometry& g : {box({9, 9, 9}, {1.0, 1.0, 1.0}), awkward()}) {
+    const hbSparseGrid grid = gridOf(g, 3, {waves});
+    int seen = 0, opaque = 0;
+    for (const hbCamera& camera : cameras(g))
+      for (const int samples : {2, 9}) { // with two planes, many rays meet none
+        hbScene scene = dvrScene(ramp(), camera, samples, hbSampling::Kind::planewise);
+        hbShearReference reference(grid, scene, 1);
+        const double perValue = glm::dot(reference.slopes(), glm::dvec3(3 * 0x1p-24));
+        expectNear(composited(grid, scene), hbRaycaster(grid, scene).render(), hbPlaneRays(grid, scene), perValue, seen,
+                   opaque);
+      }
+    EXPECT_GT(seen, 5000);
+    EXPECT_GT(opaque, 20);
+  }
+}
+
+TEST(hbPlaneCompositor, PreintegratedDvrIsPlanewiseRayCasting) {
+  const hbGeometry g = awkward();
+  const hbSparseGrid grid = gridOf(g, 3, {waves});
+  const std::vector<hbCamera> all = cameras(g);
+  int seen = 0, opaque = 0;
+  for (const std::size_t i : {std::size_t{6}, all.size() - 2}) { // oblique, and from within
+    hbScene scene = dvrScene(ramp(4.0), all[i], 5, hbSampling::Kind::planewise);
+    scene.preintegrated = true;
+    hbShearReference reference(grid, scene, 1);
+    const double perValue = glm::dot(reference.slopes(), glm::dvec3(3 * 0x1p-24));
+    expectNear(composited(grid, scene), hbRaycaster(grid, scene).render(), hbPlaneRays(grid, scene), perValue, seen,
+               opaque);
+  }
+  EXPECT_GT(seen, 200);
 }
 
 TEST(hbPlaneCompositor, RefusesWhatTheRayCasterDoes) {
