@@ -48,6 +48,21 @@ void main() {
   result = i > planes.y ? kNowhere : float(i - 1) + clamp((iso - before) / (value - before), 0.0, 1.0);
 })";
 
+constexpr const char* kDvr = R"(
+out vec4 result;
+void main() {
+  ivec2 planes = planesOfRay();
+  vec3 lengths = lengthsOfRay();
+  vec4 seen = vec4(0.0);
+  float before = 0.0;
+  for (int i = planes.x; i <= planes.y && !isOpaque(seen); ++i) {
+    float value = valueAt(pointOfRay(float(i)));
+    addSample(seen, i, planes, lengths, before, value);
+    before = value;
+  }
+  result = seen;
+})";
+
 // Of step 0 the value itself, of 1 to 6 that below and that above along each axis.
 constexpr const char* kDifferences = R"(
 uniform sampler2D places;
@@ -78,7 +93,7 @@ hbOglFused::hbOglFused(const hbGlContext& context, const hbCombinationSparseGrid
 hbOglFused::hbOglFused(const hbGlContext& context, const hbSemiNodalGrid& grid, int component)
     : gl_(context.gl()), values_(context, grid, component), quad_(gl_) {}
 
-const hbGlProgram& hbOglFused::prepared(std::unique_ptr<hbGlProgram>& program, const char* shader,
+const hbGlProgram& hbOglFused::prepared(std::unique_ptr<hbGlProgram>& program, const std::string& shader,
                                         const hbOglRays& rays, const hbGlTarget& out) const {
   assert(out.width() == rays.planes().scene().width && out.height() == rays.planes().scene().height);
   if (!program)
@@ -100,6 +115,12 @@ void hbOglFused::march(const hbOglRays& rays, const hbGlTarget& out) const {
   const char* shader = mode == hbMode::xray ? kXray : mode == hbMode::mip ? kMip : kIso;
   const hbGlProgram& program = prepared(march_[std::size_t(mode)], shader, rays, out);
   program.set("iso", rays.planes().iso());
+  quad_.draw();
+}
+
+void hbOglFused::composite(const hbOglRays& rays, const hbOglMatter& matter, const hbGlTarget& out) const {
+  const hbGlProgram& program = prepared(composite_[matter.isPreintegrated() ? 1 : 0], matter.glsl() + kDvr, rays, out);
+  matter.set(program, 2);
   quad_.draw();
 }
 

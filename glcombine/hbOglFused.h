@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "glcombine/hbGlQuad.h"
 #include "glcombine/hbGlTarget.h"
+#include "glcombine/hbOglMatter.h"
 #include "glcombine/hbOglRays.h"
 #include "glcombine/hbOglValues.h"
 
@@ -26,6 +28,10 @@ public:
   /// hbOglRays::kNowhere. A mode's shader is compiled when it is first asked for.
   void march(const hbOglRays& rays, const hbGlTarget& out) const;
 
+  /// DVR: draws into `out`, of four channels, what hbPlaneRays::dvr() takes; 0 for rays that meet no plane. A ray ends
+  /// where nothing behind would show. `matter` is that of field values.
+  void composite(const hbOglRays& rays, const hbOglMatter& matter, const hbGlTarget& out) const;
+
   /// Draws into `out`, of four channels, for each pixel whose place in `places` (as march() draws it) is not
   /// hbOglRays::kNowhere the value there and its central differences in cube units as hbSurfaceShader takes them, 0
   /// along flat axes; for the others 0. Seven evaluations a pixel.
@@ -38,12 +44,13 @@ public:
   std::int64_t textureBytes() const { return values_.textureBytes(); }
 
 private:
-  const hbGlProgram& prepared(std::unique_ptr<hbGlProgram>& program, const char* shader, const hbOglRays& rays,
+  const hbGlProgram& prepared(std::unique_ptr<hbGlProgram>& program, const std::string& shader, const hbOglRays& rays,
                               const hbGlTarget& out) const;
 
   const hbGlFunctions& gl_;
   hbOglValues values_;
   hbGlQuad quad_;
-  mutable std::array<std::unique_ptr<hbGlProgram>, 3> march_; ///< One a mode.
+  mutable std::array<std::unique_ptr<hbGlProgram>, 3> march_;     ///< One a mode.
+  mutable std::array<std::unique_ptr<hbGlProgram>, 2> composite_; ///< Of samples, of slabs.
   mutable std::unique_ptr<hbGlProgram> differences_;
 };

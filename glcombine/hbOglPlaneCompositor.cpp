@@ -49,27 +49,58 @@ void main() {
   result = vec4(i <= range.y ? float(first + i - 1) + clamp((iso - a) / (b - a), 0.0, 1.0) : kNowhere);
 })";
 
-std::string fragments(hbMode mode) {
-  return std::string("#version 330 core\n") + hbOglRays::glsl() + kDeclarations +
-         (mode == hbMode::xray  ? kXray
-          : mode == hbMode::mip ? kMip
-                                : kIso);
+constexpr const char* kDvr = R"(
+uniform sampler2D seenBefore;
+void main() {
+  ivec2 range = tilesOfRay(), planes = planesOfRay();
+  vec3 lengths = lengthsOfRay();
+  vec4 seen = texelFetch(seenBefore, ivec2(gl_FragCoord.xy), 0);
+  float a = numberIn(before, lastTile);
+  for (int i = range.x; i <= range.y && !isOpaque(seen); ++i) {
+    float b = numberIn(values, i);
+    addSample(seen, first + i, planes, lengths, a, b);
+    a = b;
+  }
+  result = seen;
+})";
+
+std::string fragments(hbMode mode, const hbOglMatter* matter) {
+  const std::string common = std::string("#version 330 core\n") + hbOglRays::glsl() + kDeclarations;
+  switch (mode) {
+  case hbMode::xray:
+    return common + kXray;
+  case hbMode::mip:
+    return common + kMip;
+  case hbMode::iso:
+    return common + kIso;
+  case hbMode::dvr:
+  case hbMode::slice:
+    break;
+  }
+  return common + matter->glsl() + kDvr;
 }
 
 } // namespace
 
-hbOglPlaneCompositor::hbOglPlaneCompositor(const hbGlFunctions& gl, const hbScene& scene)
-    : gl_(gl), mode_(scene.mode), quad_(gl), program_(gl, hbGlQuad::kVertexShader, fragments(scene.mode)),
-      found_(gl, scene.width, scene.height, hbGlFormat::r32f) {}
+hbOglPlaneCompositor::hbOglPlaneCompositor(const hbGlFunctions& gl, const hbScene& scene, const hbOglMatter* matter)
+    : gl_(gl), mode_(scene.mode), matter_(matter), quad_(gl),
+      program_(gl, hbGlQuad::kVertexShader, fragments(scene.mode, matter)) {
+  const auto target = [&](int channels) {
+    return std::make_unique<hbGlTarget>(gl, scene.width, scene.height, hbGlFormat::r32f, channels);
+  };
+  found_ = target(matter ? 4 : 1);
+  if (matter) before_ = target(4);
+}
 
 void hbOglPlaneCompositor::begin(float iso) {
   iso_ = iso;
-  found_.clear(mode_ == hbMode::xray ? 0.0F : mode_ == hbMode::mip ? kLeast : hbOglRays::kNowhere);
+  found_->clear(mode_ == hbMode::mip ? kLeast : mode_ == hbMode::iso ? hbOglRays::kNowhere : 0.0F);
 }
 
 void hbOglPlaneCompositor::add(const hbOglRays& rays, int first, int count, const hbOglTiles& tiles,
                                const hbGlTarget& before, const hbGlTarget& values) {
-  found_.bind();
+  if (matter_) found_.swap(before_);
+  found_->bind();
   quad_.bind();
   program_.use();
   rays.set(program_, 2);
@@ -83,9 +114,16 @@ void hbOglPlaneCompositor::add(const hbOglRays& rays, int first, int count, cons
   program_.set("lastTile", tiles.count() - 1);
   program_.set("iso", iso_);
   program_.set("kLeast", kLeast);
-  gl_.Enable(GL_BLEND);
-  gl_.BlendFunc(GL_ONE, GL_ONE);
-  gl_.BlendEquation(mode_ == hbMode::xray ? GL_FUNC_ADD : mode_ == hbMode::mip ? GL_MAX : GL_MIN);
+  if (matter_) {
+    matter_->set(program_, 3);
+    before_->texture().bind(4);
+    program_.set("seenBefore", 4);
+    gl_.Disable(GL_BLEND);
+  } else {
+    gl_.Enable(GL_BLEND);
+    gl_.BlendFunc(GL_ONE, GL_ONE);
+    gl_.BlendEquation(mode_ == hbMode::xray ? GL_FUNC_ADD : mode_ == hbMode::mip ? GL_MAX : GL_MIN);
+  }
   quad_.draw();
   gl_.Disable(GL_BLEND);
 }

@@ -8,10 +8,12 @@
 #include "glcombine/hbGlContext.h"
 #include "glcombine/hbGlTarget.h"
 #include "glcombine/hbOglFused.h"
+#include "glcombine/hbOglMatter.h"
 #include "glcombine/hbOglPlaneCompositor.h"
 #include "glcombine/hbOglRays.h"
 #include "glcombine/hbOglSurfaceShader.h"
 #include "glcombine/hbOglTiles.h"
+#include "raycast/hbMatter.h"
 #include "raycast/hbPlaneCompositor.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
 #include "volume/hbError.h"
@@ -39,27 +41,40 @@ struct hbOglRaycaster::Parts {
   std::optional<hbOglFused> fused; ///< The other forms, and what they draw into.
   std::optional<hbGlTarget> marched;
   std::optional<hbOglSurfaceShader> shader;
+  std::optional<hbMatter> matter; ///< DVR, but where planes are read back.
+  std::optional<hbOglMatter> deviceMatter;
 
   Parts(const hbGlContext& c, const hbSparseGrid& g, const hbScene& asked, const Options& choice)
       : context(c), gl(c.gl()), grid(g), scene(hbPlaneRays(g, asked).scene()), options(choice) {
     options.blend.memory = options.memory;
-    if (scene.mode == hbMode::dvr && !(options.form == Form::blend && options.readBack))
-      throw hbError("dvr: expected blending with planes read back, or an engine of the ray caster");
     const int most = mostTexels();
     if (std::max(scene.width, scene.height) > most)
       throw hbError(fmt::format("picture: expected sides of at most {} pixels on this device, found {} x {}", most,
                                 scene.width, scene.height));
     if (options.form == Form::blend) {
       blended.emplace(context, hbCombinationSparseGrid(grid), scene.component, options.blend);
-      if (!options.readBack) compositor.emplace(gl, scene);
+      classify();
+      if (!options.readBack) compositor.emplace(gl, scene, deviceMatter ? &*deviceMatter : nullptr);
     } else {
       if (options.form == Form::fused)
         fuse(hbCombinationSparseGrid(grid));
       else
         fuse(hbSemiNodalGrid(grid));
-      marched.emplace(gl, scene.width, scene.height, hbGlFormat::r32f);
+      classify();
+      marched.emplace(gl, scene.width, scene.height, hbGlFormat::r32f, deviceMatter ? 4 : 1);
     }
     if (scene.mode == hbMode::iso) shader.emplace(gl);
+  }
+
+  /// DVR: for the scene's camera; what is known of the same step is kept.
+  void classify() {
+    const double step = scene.sampling.stepLength(grid.geometry(), *scene.camera);
+    const bool isInSoftware = blended && options.readBack;
+    if (scene.mode != hbMode::dvr || isInSoftware || (matter && matter->step() == step)) return;
+    matter.emplace(scene, grid.valueMap(), step);
+    const double zero = blended ? blended->valueOf(0.0) : 0.0, one = blended ? blended->valueOf(1.0) : 1.0;
+    const hbValueMap& map = matter->map();
+    deviceMatter.emplace(gl, *matter, hbValueMap{map.toTrue(zero), map.scale * (one - zero)});
   }
 
   template <class Grid>
@@ -125,7 +140,10 @@ struct hbOglRaycaster::Parts {
   hbPicture march(const hbPlaneRays& rays, hbProgress& progress) {
     const hbOglRays deviceRays(gl, rays);
     progress.begin("casting rays", 1, "pictures");
-    fused->march(deviceRays, *marched);
+    if (deviceMatter)
+      fused->composite(deviceRays, *deviceMatter, *marched);
+    else
+      fused->march(deviceRays, *marched);
     hbPicture made = picture(deviceRays, *marched, 0.0, 1.0);
     progress.advance(1);
     return made;
@@ -147,11 +165,14 @@ struct hbOglRaycaster::Parts {
       for (float& number : numbers) number = float(zero + one * double(number));
       return rays.mip(numbers);
     case hbMode::iso:
+      return rays.iso(surfaces(deviceRays, found, numbers, zero));
     case hbMode::dvr:
     case hbMode::slice:
       break;
     }
-    return rays.iso(surfaces(deviceRays, found, numbers, zero));
+    std::vector<glm::vec4> lights(rays.rays().size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) lights[i / 4][int(i % 4)] = numbers[i];
+    return rays.dvr(lights, *matter);
   }
 
   std::vector<hbPlaneRays::Surface> surfaces(const hbOglRays& deviceRays, const hbGlTarget& found,
@@ -185,9 +206,11 @@ hbOglRaycaster::~hbOglRaycaster() = default;
 
 double hbOglRaycaster::bytes(const hbSparseGrid& grid, const hbScene& scene, const Options& options) {
   const hbIndexSet& set = grid.indexSet();
-  // Rays and what was found; surfaces take places, normals and values more, and several lists of them.
-  const double perPixel = scene.mode == hbMode::iso ? 320.0 : 128.0;
-  const double pixels = perPixel * scene.width * scene.height;
+  // Rays and what was found; surfaces take places, normals and values more, and several lists of them; DVR four numbers
+  // where X-ray has one.
+  const double perPixel = scene.mode == hbMode::iso ? 336.0 : scene.mode == hbMode::dvr ? 288.0 : 144.0;
+  const double matter = scene.mode == hbMode::dvr ? hbOglMatter::bytes(scene.preintegrated) : 0.0;
+  const double pixels = perPixel * scene.width * scene.height + matter;
   if (options.form == Form::seminodal)
     return pixels + hbSemiNodalGrid::bytes(set, grid.components()) + hbSemiNodalGrid::bytes(set, 1);
   const double components = hbCombinationSparseGrid::bytes(set, grid.components());

@@ -8,7 +8,7 @@
 #include "sparsegrid/hbSparseGrid.h"
 #include "volume/hbProgress.h"
 
-/// X-ray, MIP and iso-surface pictures of a sparse grid by OpenGL. Whatever scene.sampling.kind says, sampling is
+/// X-ray, MIP, iso-surface and DVR pictures of a sparse grid by OpenGL. Whatever scene.sampling.kind says, sampling is
 /// planewise, and the pictures are those of hbRaycaster's planewise sampling, up to rounding.
 class hbOglRaycaster {
 public:

@@ -12,8 +12,13 @@ uniform vec3 planeCorner, planeRight, planeDown; // of plane 0
 uniform vec3 planeCornerStep, planeRightStep, planeDownStep; // to the next one: planes are affine in their index
 ivec2 planesOfRay() { return ivec2(texelFetch(rayRanges, ivec2(gl_FragCoord.xy), 0).rg); }
 uniform vec3 rayDirection, rayDirectionRight, rayDirectionDown;
-vec3 directionOfRay() {
-  return normalize(rayDirection + gl_FragCoord.x * rayDirectionRight + gl_FragCoord.y * rayDirectionDown);
+vec3 stepOfRay() { // of length 1 along the view axis
+  return rayDirection + gl_FragCoord.x * rayDirectionRight + gl_FragCoord.y * rayDirectionDown;
+}
+vec3 directionOfRay() { return normalize(stepOfRay()); }
+vec3 lengthsOfRay() {
+  vec2 ends = texelFetch(rayRanges, ivec2(gl_FragCoord.xy), 0).ba;
+  return vec3(ends.x, length(stepOfRay()), ends.y);
 }
 vec3 pointOfRay(float place) {
   return planeCorner + place * planeCornerStep + gl_FragCoord.x * (planeRight + place * planeRightStep) +
@@ -23,13 +28,18 @@ vec3 pointOfRay(float place) {
 }
 
 hbOglRays::hbOglRays(const hbGlFunctions& gl, const hbPlaneRays& rays) : rays_(rays), ranges_(gl, GL_TEXTURE_2D) {
+  const bool isDvr = rays.scene().mode == hbMode::dvr;
   std::vector<float> ranges; // exact: planes are fewer than 2^24
   for (const hbPlaneRays::Ray& ray : rays.rays()) {
     ranges.push_back(float(ray.first));
     ranges.push_back(float(ray.last));
+    if (!isDvr) continue;
+    ranges.push_back(float(ray.before / rays.step()));
+    ranges.push_back(float(ray.behind / rays.step()));
   }
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RG32F, rays.scene().width, rays.scene().height, 0, GL_RG, GL_FLOAT, ranges.data());
+  gl.TexImage2D(GL_TEXTURE_2D, 0, isDvr ? GL_RGBA32F : GL_RG32F, rays.scene().width, rays.scene().height, 0,
+                isDvr ? GL_RGBA : GL_RG, GL_FLOAT, ranges.data());
   ranges_.setFilter(GL_NEAREST);
 }
 

@@ -15,10 +15,12 @@ public:
   ///   ivec2 planesOfRay(): the first and the last plane on which this fragment's ray is in the volume,
   ///   vec3 pointOfRay(float place): in the cube; places are indices of planes and parts of them,
   ///   vec3 directionOfRay(): in the world, of length 1,
+  ///   vec3 lengthsOfRay(): of DVR scenes, the world lengths before the first plane, between two, and behind the last,
+  ///     in distances of planes,
   ///   const float kNowhere.
   static const char* glsl();
 
-  /// Keeps references to `gl` and `rays`, and uploads 8 bytes a pixel.
+  /// Keeps references to `gl` and `rays`, and uploads 8 bytes a pixel, for DVR 16.
   hbOglRays(const hbGlFunctions& gl, const hbPlaneRays& rays);
 
   /// Sets what glsl() needs in the program in use; the texture of that unit is taken for it.

@@ -12,9 +12,8 @@ hbMatter::hbMatter(const hbScene& scene, const hbValueMap& map, double step)
     return;
   }
   // Over the function's range and a cell more at either end, which what is beyond counts as.
-  constexpr std::size_t kEntries = 1024;
-  cell_ = (hi - lo) / double(kEntries - 3);
-  slabs_.emplace(*scene.transfer, lo - cell_, hi + cell_, step, kEntries);
+  cell_ = (hi - lo) / double(kSlabEntries - 3);
+  slabs_.emplace(*scene.transfer, lo - cell_, hi + cell_, step, kSlabEntries);
 }
 
 double hbMatter::bytes() const {

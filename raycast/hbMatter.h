@@ -12,6 +12,8 @@
 /// scene and step.
 class hbMatter {
 public:
+  static constexpr std::size_t kSlabEntries = 1024; ///< For either value.
+
   /// `scene` has a transfer function that states its unit length. `step`: the world length between two samples, which
   /// pre-integrated slabs are made for.
   hbMatter(const hbScene& scene, const hbValueMap& map, double step);

@@ -40,7 +40,7 @@ Piece pieceOf(const Cell& cell, double length) {
 
 hbPreintegration::hbPreintegration(const hbTransferFunction& function, double lo, double hi, double thickness,
                                    std::size_t entries)
-    : size_(entries), lo_(lo) {
+    : size_(entries), lo_(lo), hi_(hi) {
   constexpr double kMaxValue = std::numeric_limits<float>::max(), kLeast = std::numeric_limits<float>::denorm_min();
   if (entries < 2 || entries > kMaxEntries)
     throw hbError(fmt::format("preintegration: expected 2 to {} entries, found {}", kMaxEntries, entries));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include <glm/vec4.hpp>
@@ -45,10 +46,12 @@ public:
   /// N x N, the value at the back running fastest.
   const std::vector<glm::vec4>& entries() const { return entries_; }
   std::size_t size() const { return size_; }
+  /// The values of the first and the last entry.
+  std::pair<double, double> range() const { return {lo_, hi_}; }
 
 private:
   std::size_t size_;
   std::vector<glm::vec4> entries_;
-  double lo_, entriesPerValue_;
+  double lo_, hi_, entriesPerValue_;
   double clearBelow_, clearAbove_;
 };

@@ -32,6 +32,9 @@ public:
     }
   }
 
+  /// Magnitude of a nodal value.
+  double largest() const { return largest_; }
+
   /// From exact values, in 32-bit floats throughout. Values: as the combination engine's (18 roundings, see
   /// hbTestSets::combinationBound), with every addition in 32 bits, each of a partial sum up to the sum of the weights.
   /// Coordinates: 8 roundings of the corners, their interpolation across up to three tiles, scale and offset, and the

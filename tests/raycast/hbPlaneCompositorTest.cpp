@@ -50,7 +50,8 @@ void expectNear(const hbPicture& found, const hbPicture& expected, const hbPlane
   const std::vector<float> opacities = channel(expected, "A");
   for (std::size_t i = 0; i < opacities.size(); ++i) {
     // Shown in floats, of which a luminance is a sum.
-    const double tolerance = bounds.channel(i, perValue) + hbDvrBounds::ends(opacities[i]) + 0x1p-22;
+    const double moved = bounds.channel(i, perValue) + 0x1p-22;
+    const double tolerance = moved + hbDvrBounds::ends(opacities[i], channel(found, "A")[i], moved);
     for (const char* name : {"R", "G", "B", "A", "Y"})
       EXPECT_NEAR(channel(found, name)[i], channel(expected, name)[i], tolerance) << name << i;
     seen += opacities[i] > 0.0F;
