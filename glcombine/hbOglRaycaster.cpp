@@ -225,6 +225,7 @@ double hbOglRaycaster::bytes(const hbSparseGrid& grid, const hbScene& scene, con
 void hbOglRaycaster::look(const hbCamera& camera) {
   camera.validate();
   parts_->scene.camera = camera;
+  parts_->classify();
 }
 
 hbPicture hbOglRaycaster::render(hbProgress& progress) {

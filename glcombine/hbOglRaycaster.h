@@ -35,8 +35,8 @@ public:
   /// Main memory that it takes at its peak, what software keeps for textures included, in bytes.
   static double bytes(const hbSparseGrid& grid, const hbScene& scene, const Options& options);
 
-  /// From now on pictures are seen from there; what is on the device is kept. Throws hbError for a camera that is not
-  /// valid.
+  /// From now on pictures are seen from there; what is on the device is kept, but DVR's tables where planes lie at
+  /// another distance. Throws hbError for a camera that is not valid.
   void look(const hbCamera& camera);
 
   /// One frame, with the channels and the metadata of hbRaycaster::render(). Throws hbCancelled: `blend` between lots

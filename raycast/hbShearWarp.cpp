@@ -32,6 +32,9 @@ struct hbShearWarp::Parts {
   hbSliceCompositor::Memory memory;
   hbSliceLight::Memory memoryOfLight;
 
+  Parts(const hbSparseGrid& ofGrid, int raysAPixel, const hbScene& ofScene)
+      : grid(ofGrid), supersample(raysAPixel), scene(ofScene) {}
+
   hbSliceSampler::Source source(std::size_t i) const { return {*evaluators[i], scene.magnitude, map}; }
   hbSliceCompositor compositor(std::size_t i) {
     const float iso = scene.isoValue ? float(points->valueMap().fromTrue(*scene.isoValue)) : 0.0F;
@@ -73,7 +76,7 @@ struct hbShearWarp::Parts {
 };
 
 hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const Options& options)
-    : parts_(new Parts{grid, options.supersample, scene}) {
+    : parts_(std::make_unique<Parts>(grid, options.supersample, scene)) {
   hbScene& with = parts_->scene;
   with.camera = scene.cameraFor(grid.geometry());
   hbScene ofComponent = with;

@@ -226,6 +226,8 @@ TEST_P(hbOglDvrTest, EveryTransferFunctionShowsItself) {
   hbScene beside = one; // whose planes lie closer
   beside.camera = someCameras(g)[0];
   EXPECT_NE(beside.sampling.stepLength(g, *beside.camera), one.sampling.stepLength(g, *one.camera));
+  first.look(*beside.camera);
+  EXPECT_EQ(first.render().channels, drawn(grid, beside).channels);
   context->release();
   {
     const auto fresh = hbGlContext::create(GetParam().kind);
