@@ -47,6 +47,31 @@ TEST_F(renderOpenGl, EveryFormDrawsThePlanewisePicture) {
   }
 }
 
+TEST_F(renderOpenGl, EveryFormShowsColourAndOpacity) {
+  // A value as above. It moves a ray's optical depth, of at most 2 / 0.1 unit lengths, by the slope of -ln(1 - opacity)
+  // of density, which is at most 0.53 / 0.5, and colours by less than 8; slabs of 1/16 of the depth between two values
+  // move by either, and have those depths.
+  const double tolerance = 31.0 * 2 * (31 + 20 + 8 * 2 * 32) * 0x1p-24 * 2 * (2 / 0.1 * 1.06 + 8);
+  EXPECT_LT(tolerance, 0.15);
+  for (const bool isPreintegrated : {false, true}) {
+    std::vector<std::string> options{"--mode",           "dvr", "--transfer",    "density",
+                                     "--transfer-range", "0,1", "--unit-length", "0.1"};
+    if (isPreintegrated) options.emplace_back("--preintegrate");
+    drawn("cpu.exr", options);
+    options.insert(options.end(), {"--engine", "opengl", "--gl-form", ""});
+    for (const char* form : {"seminodal", "fused", "blend"}) {
+      options.back() = form;
+      EXPECT_EQ(drawn("gl.exr", options)["mode"], "dvr");
+      EXPECT_LE(difference("cpu.exr", "gl.exr"), tolerance) << form;
+      for (const char* name : {"R", "G", "B", "A", "Y"})
+        EXPECT_NE(hb::readExr(folder_ / "gl.exr").find(name), nullptr) << name;
+    }
+    options.emplace_back("--gl-read-back");
+    drawn("back.exr", options);
+    EXPECT_LE(difference("cpu.exr", "back.exr"), tolerance);
+  }
+}
+
 TEST_F(renderOpenGl, StatisticsNameTheDeviceAndTheTextures) {
   auto stats = drawn("gl.exr", {"--engine", "opengl", "--mode", "iso", "--iso", "0.5"});
   EXPECT_EQ(stats["engine"], "opengl");

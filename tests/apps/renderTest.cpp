@@ -332,7 +332,6 @@ TEST_F(render, RefusesWrongColoursAndOpacities) {
   refused({"--unit-length", "0"}, 2, "--unit-length");
   refused({"--background", "1,1"}, 1, "--background");
   refused({"--background", "2,0,0"}, 1, "background: expected channels in [0,1]");
-  refused({"--engine", "opengl"}, 1, "dvr: expected an engine of the ray caster");
 }
 
 TEST_F(render, TheLatticeEngineDrawsTheSame) {
