@@ -22,6 +22,8 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
   scene_.camera = scene.cameraFor(field.geometry());
   scene_.sampling.kind = hbSampling::Kind::planewise;
   if (scene.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of planes");
+  if (scene.mode == hbMode::dvr && (scene.shading || scene.gradientOpacity))
+    throw hbError("shading: expected an engine of the ray caster, found one of planes");
   if (scene.isoValue) iso_ = float(field.valueMap().fromTrue(*scene.isoValue));
   const hbCamera& camera = *scene_.camera;
   planes_ = scene.sampling.planes(field.geometry(), camera);
@@ -30,9 +32,10 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
 
   rays_.resize(std::size_t(scene.width) * std::size_t(scene.height));
   const glm::dvec3 axis = camera.viewAxis();
+  const hbScene::ClipBox box = scene.clip.value_or(hbScene::ClipBox{});
   for (std::size_t pixel = 0; pixel < rays_.size(); ++pixel) {
     const hbRay through = ray(pixel);
-    const auto segment = hb::clipToCube(through, worldToCube_);
+    const auto segment = hb::clipToCube(through, worldToCube_, box.lo, box.hi);
     const double cosine = glm::dot(through.direction, axis);
     if (!segment || !(cosine > 0.0)) continue;
     // As hbRaycaster has it; rays of both projections start on the plane through the camera's position.

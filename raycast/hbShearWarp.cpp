@@ -83,6 +83,9 @@ hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const O
   if (with.magnitude) ofComponent.component = 0;
   hb::checkScene(ofComponent, grid);
   if (with.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of slices");
+  if (with.mode == hbMode::dvr && (with.shading || with.gradientOpacity))
+    throw hbError("shading: expected an engine of the ray caster, found one of slices");
+  if (with.clip) throw hbError("clip: expected an engine of the ray caster, found one of slices");
   if (options.supersample < 1 || options.supersample > kMostSupersample)
     throw hbError(fmt::format("supersample: expected 1 to {}, found {}", kMostSupersample, options.supersample));
 
