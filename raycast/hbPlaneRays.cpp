@@ -17,7 +17,8 @@
 #include "volume/hbError.h"
 
 hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
-    : field_(field), scene_(scene), worldToCube_(glm::inverse(field.geometry().cubeToWorld())) {
+    : field_(field), scene_(scene), worldToCube_(glm::inverse(field.geometry().cubeToWorld())),
+      box_(scene.clip.value_or(hbScene::ClipBox{})) {
   hb::checkScene(scene, field);
   scene_.camera = scene.cameraFor(field.geometry());
   scene_.sampling.kind = hbSampling::Kind::planewise;
@@ -32,10 +33,9 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
 
   rays_.resize(std::size_t(scene.width) * std::size_t(scene.height));
   const glm::dvec3 axis = camera.viewAxis();
-  const hbScene::ClipBox box = scene.clip.value_or(hbScene::ClipBox{});
   for (std::size_t pixel = 0; pixel < rays_.size(); ++pixel) {
     const hbRay through = ray(pixel);
-    const auto segment = hb::clipToCube(through, worldToCube_, box.lo, box.hi);
+    const auto segment = hb::clipToCube(through, worldToCube_, box_.lo, box_.hi);
     const double cosine = glm::dot(through.direction, axis);
     if (!segment || !(cosine > 0.0)) continue;
     // As hbRaycaster has it; rays of both projections start on the plane through the camera's position.
@@ -185,7 +185,7 @@ void hbPlaneRays::addBetween(std::span<glm::vec4> lights, const hbMatter& matter
   hbPointBatch batch;
   for (std::size_t i = 0; i < rays_.size(); ++i) {
     if (rays_[i].last >= rays_[i].first || !(rays_[i].before > 0.0)) continue;
-    const auto segment = hb::clipToCube(ray(i), worldToCube_);
+    const auto segment = hb::clipToCube(ray(i), worldToCube_, box_.lo, box_.hi);
     pixels.push_back(i);
     batch.add(segment->at(segment->enter + 0.5 * segment->length()));
   }

@@ -94,6 +94,7 @@ private:
   const hbField& field_;
   hbScene scene_;
   glm::dmat4 worldToCube_;
+  hbScene::ClipBox box_;
   int planes_ = 0;
   double near_ = 0.0, step_ = 1.0;
   float iso_ = 0.0F;
