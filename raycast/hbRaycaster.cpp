@@ -83,12 +83,13 @@ struct Frame {
 
   std::vector<float>*y, *a, *z = nullptr, *nx = nullptr, *ny = nullptr, *nz = nullptr, *value = nullptr;
   std::array<std::vector<float>*, 3> rgb{};
-  const hbMatter* matter; ///< DVR alone.
+  const hbMatter* matter;        ///< DVR alone.
+  const hbVisibleBlocks* blocks; ///< None: all may be seen.
 
-  Frame(const hbField& f, const hbScene& s, const hbMatter* m, hbPicture& picture)
+  Frame(const hbField& f, const hbScene& s, const hbMatter* m, const hbVisibleBlocks* b, hbPicture& picture)
       : field(f), scene(s), camera(*s.camera), map(f.valueMap()), worldToCube(glm::inverse(f.geometry().cubeToWorld())),
         extent(hbSampling::extent(f.geometry(), camera)), step(s.sampling.stepLength(f.geometry(), camera)),
-        iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F), matter(m) {
+        iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F), matter(m), blocks(b) {
     y = &picture.add("Y");
     a = &picture.add("A");
     if (s.mode == hbMode::dvr) {
@@ -185,21 +186,49 @@ private:
   /// Hands the ray's values to visit(index of the first, values) in batches; stops when visit returns false.
   template <class Visit>
   void marchBatches(const hbRaySegment& segment, const RaySamples& samples, Visit visit) {
-    for (std::int32_t begin = 0; begin < samples.count; begin += kBatch) {
-      batch_.line(segment, samples.first, samples.step, begin, std::min(samples.count - begin, kBatch));
+    marchPart(segment, samples, 0, samples.count, visit);
+  }
+  template <class Visit>
+  bool marchPart(const hbRaySegment& segment, const RaySamples& samples, std::int32_t begin, std::int32_t end,
+                 Visit visit) {
+    for (; begin < end; begin += kBatch) {
+      batch_.line(segment, samples.first, samples.step, begin, std::min(end - begin, kBatch));
       batch_.evaluate(frame_.field, frame_.scene.component);
-      if (!visit(begin, std::span<const float>(batch_.value))) return;
+      if (!visit(begin, std::span<const float>(batch_.value))) return false;
     }
+    return true;
   }
 
   /// The same, one by one: to visit(index, value).
   template <class Visit>
   void march(const hbRaySegment& segment, const RaySamples& samples, Visit visit) {
-    marchBatches(segment, samples, [&](std::int32_t begin, std::span<const float> values) {
+    marchBatches(segment, samples, oneByOne(visit));
+  }
+  template <class Visit>
+  static auto oneByOne(Visit& visit) {
+    return [&](std::int32_t begin, std::span<const float> values) {
       for (const float value : values)
         if (!visit(begin++, value)) return false;
       return true;
-    });
+    };
+  }
+
+  /// The same, but for samples in blocks that cannot be seen; where some of them follow each other, the first and the
+  /// last may be visited.
+  template <class Visit>
+  void marchVisible(const hbRaySegment& segment, const RaySamples& samples, Visit visit) {
+    if (!frame_.blocks) return march(segment, samples, visit);
+    hbVisibleBlocks::Walk walk(*frame_.blocks, segment);
+    const auto before = [&](double distance) {
+      return std::int32_t(
+          std::clamp(std::floor((distance - samples.first) / samples.step), -1.0, double(samples.count)));
+    };
+    for (std::int32_t done = 0; walk.next();) {
+      const std::int32_t begin = std::max(done, before(walk.enter())),
+                         end = std::min(samples.count, before(walk.leave()) + 2);
+      if (!marchPart(segment, samples, begin, end, oneByOne(visit))) return;
+      done = std::max(done, end);
+    }
   }
 
   void integrate(const hbRaySegment& segment, const RaySamples& samples, std::size_t at) {
@@ -226,7 +255,7 @@ private:
   }
 
   void composite(const hbRaySegment& segment, const RaySamples& samples) {
-    march(segment, samples, [&](std::int32_t i, float value) {
+    marchVisible(segment, samples, [&](std::int32_t i, float value) {
       return light_->add(frame_.matter->at(value), samples.share(i), samples.first + double(i) * samples.step);
     });
   }
@@ -241,12 +270,18 @@ private:
       end = until;
       return isSeen;
     };
-    march(segment, samples, [&](std::int32_t i, float value) {
+    std::int32_t next = 0;
+    marchVisible(segment, samples, [&](std::int32_t i, float value) {
+      const double here = samples.first + double(i) * samples.step;
+      const bool isBehindGap = i > next;
       const float front = i > 0 ? before : value;
       before = value;
-      return add(front, value, samples.first + double(i) * samples.step);
+      next = i + 1;
+      if (!isBehindGap) return add(front, value, here);
+      end = here; // what was left out cannot be seen
+      return true;
     });
-    if (samples.count > 0 && isSeen) add(before, before, segment.leave);
+    if (next > 0 && isSeen) add(before, before, segment.leave);
   }
 
   void show(const hbEmissionAbsorption& light, std::size_t at) {
@@ -361,6 +396,11 @@ void hbRaycaster::prepare() {
   const double step = scene_.sampling.stepLength(field_.geometry(), *scene_.camera);
   if (!matter_ || (matter_->isPreintegrated() && matter_->step() != step))
     matter_.emplace(scene_, field_.valueMap(), step);
+  // Blocks are made of all samples, a picture of as many as its rays have: they pay where those are not fewer.
+  const hbSize3 size = field_.geometry().size;
+  const double taken = double(scene_.width) * scene_.height * scene_.sampling.planes(field_.geometry(), *scene_.camera);
+  if (!blocks_ && field_.hasLocalRanges() && double(size.x) * double(size.y) * double(size.z) <= taken)
+    blocks_.emplace(field_, scene_.component, hbVisibility(*scene_.transfer, *matter_));
 }
 
 hbPicture hbRaycaster::render(hbProgress& progress) const {
@@ -368,7 +408,7 @@ hbPicture hbRaycaster::render(hbProgress& progress) const {
   picture.width = scene_.width;
   picture.height = scene_.height;
   picture.metadata[hbPicture::kSceneKey] = hb::toJson(scene_);
-  const Frame frame(field_, scene_, matter_ ? &*matter_ : nullptr, picture);
+  const Frame frame(field_, scene_, matter_ ? &*matter_ : nullptr, blocks_ ? &*blocks_ : nullptr, picture);
   progress.begin("ray casting", std::int64_t(scene_.width) * scene_.height, "pixels");
   const int rows = (scene_.height + kTile - 1) / kTile, columns = (scene_.width + kTile - 1) / kTile;
   hb::parallelFor(std::int64_t(rows) * columns, [&](std::int64_t index) {

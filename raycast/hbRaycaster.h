@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "raycast/hbMatter.h"
+#include "raycast/hbVisibleBlocks.h"
 #include "scene/hbPicture.h"
 #include "scene/hbScene.h"
 #include "volume/hbField.h"
@@ -56,6 +57,7 @@ private:
   void prepare();
 
   const hbField& field_;
-  hbScene scene_;                  ///< With its camera.
-  std::optional<hbMatter> matter_; ///< DVR; pre-integrated, of the camera's step.
+  hbScene scene_;                         ///< With its camera.
+  std::optional<hbMatter> matter_;        ///< DVR; pre-integrated, of the camera's step.
+  std::optional<hbVisibleBlocks> blocks_; ///< DVR, where they pay.
 };

@@ -66,6 +66,10 @@ public:
   /// Encloses every value of `component` in `box`: conservative, not always tight.
   virtual hbRange range(const hbBox& box, int component) const = 0;
 
+  /// Whether range() looks at what is in the box and nowhere else: then it is worth while to ask for many small boxes
+  /// before a picture is made.
+  virtual bool hasLocalRanges() const { return false; }
+
 protected:
   hbField() = default;
   hbField(const hbField&) = default;

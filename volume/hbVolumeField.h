@@ -38,6 +38,7 @@ public:
 
   /// Exact: the least and greatest sample of the cells the box meets. O(samples in the box); NaN samples are left out.
   hbRange range(const hbBox& box, int component) const override;
+  bool hasLocalRanges() const override { return true; }
 
 private:
   hbVolume volume_;
