@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include <glm/common.hpp>
+
 namespace {
 
 /// The part of a convex polygon where a coordinate is at least (sign 1) or at most (sign -1) a bound.
@@ -22,12 +24,13 @@ std::vector<glm::dvec2> cut(const std::vector<glm::dvec2>& polygon, int axis, do
 
 std::vector<glm::dvec2> hb::outline(const hbPixelRays& rays) {
   const double right = rays.width() - 0.5, bottom = rays.height() - 0.5;
+  const auto& [lo, hi] = rays.box();
   std::array<glm::dvec2, 8> corners;
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 point(corner & 1, corner >> 1 & 1, corner >> 2);
-    // From nearer by than a thousandth of the cube's depth it is seen too far off.
+    const glm::dvec3 point = glm::mix(lo, hi, glm::bvec3(corner & 1, corner >> 1 & 1, corner >> 2));
+    // From nearer by than a thousandth of the box's depth it is seen too far off.
     constexpr double kNearest = 1e-3;
-    if (rays.distance(point) < kNearest * std::abs(rays.distance(glm::dvec3(1.0) - point)))
+    if (rays.distance(point) < kNearest * std::abs(rays.distance(lo + hi - point)))
       return {{0.5, 0.5}, {right, 0.5}, {0.5, bottom}, {right, bottom}};
     corners[std::size_t(corner)] = rays.pixel(point);
   }

@@ -16,8 +16,9 @@ double greatest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(
 
 } // namespace
 
-hbPixelRays::hbPixelRays(const hbCamera& camera, int width, int height, const hbGeometry& geometry)
-    : camera_(camera), width_(width), height_(height), worldToCube_(glm::inverse(geometry.cubeToWorld())) {
+hbPixelRays::hbPixelRays(const hbCamera& camera, int width, int height, const hbGeometry& geometry,
+                         const hbScene::ClipBox& box)
+    : camera_(camera), width_(width), height_(height), worldToCube_(glm::inverse(geometry.cubeToWorld())), box_(box) {
   const bool perspective = camera.projection == hbCamera::Projection::perspective;
   const glm::dvec3 axis = camera.viewAxis();
   const double tangent = std::tan(0.5 * glm::radians(camera.fieldOfView));
@@ -70,13 +71,14 @@ std::optional<hbPixelRays::Interval> hbPixelRays::clip(double px, double py) con
   const double reach = 1.0 + greatest(o), fastest = greatest(v);
   Interval in{0.0, std::numeric_limits<double>::infinity()};
   for (int d = 0; d < 3; ++d) {
+    const double toLo = box_.lo[d] - o[d], toHi = box_.hi[d] - o[d];
     if (std::abs(v[d]) <= 1e-6 * fastest) { // along two faces: far from both the ray is inside or outside for good
       constexpr double kNear = 1e-3, kFar = 100.0;
-      if (reach > kFar || std::abs(o[d]) < kNear || std::abs(1.0 - o[d]) < kNear) return clipExactly(px, py);
-      if (o[d] < 0.0 || o[d] > 1.0) return std::nullopt;
+      if (reach > kFar || std::abs(toLo) < kNear || std::abs(toHi) < kNear) return clipExactly(px, py);
+      if (toLo > 0.0 || toHi < 0.0) return std::nullopt;
       continue;
     }
-    const double inverse = 1.0 / v[d], a = -o[d] * inverse, b = (1.0 - o[d]) * inverse;
+    const double inverse = 1.0 / v[d], a = toLo * inverse, b = toHi * inverse;
     in.enter = std::max(in.enter, std::min(a, b));
     in.leave = std::min(in.leave, std::max(a, b));
   }
@@ -87,7 +89,7 @@ std::optional<hbPixelRays::Interval> hbPixelRays::clip(double px, double py) con
 }
 
 std::optional<hbPixelRays::Interval> hbPixelRays::clipExactly(double px, double py) const {
-  const auto segment = hb::clipToCube(camera_.ray(px, py, width_, height_), worldToCube_);
+  const auto segment = hb::clipToCube(camera_.ray(px, py, width_, height_), worldToCube_, box_.lo, box_.hi);
   if (!segment) return std::nullopt;
   const double shorter = 1.0 / stretch(px, py);
   return Interval{segment->enter * shorter, segment->leave * shorter};

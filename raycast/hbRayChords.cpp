@@ -5,20 +5,21 @@
 #include <limits>
 
 hbRayChords::hbRayChords(const hbShearFactorisation& rays)
-    : rays_(rays), u_(runs(false)), v_(runs(true)), start_(std::max(-0.5, rays.eyePlace())) {}
+    : rays_(rays), u_(runs(false)), v_(runs(true)), start_(std::max(rays.frontPlace(), rays.eyePlace())) {}
 
-/// A coordinate of a ray changes in one direction from slice to slice, in rounded numbers, too: it lies in the cube in
+/// A coordinate of a ray changes in one direction from slice to slice, in rounded numbers, too: it lies in the box in
 /// an unbroken run of slices.
 hbRayChords::Runs hbRayChords::runs(bool alongV) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const hbShearFactorisation::Axis& axis = alongV ? rays_.v() : rays_.u();
+  const hbShearFactorisation::Faces box = rays_.faces(alongV ? rays_.order().row : rays_.order().fast);
   const auto count = std::size_t(axis.count);
   Runs list{std::vector<int>(count), std::vector<int>(count), std::vector<double>(count, -kInfinity),
             std::vector<double>(count, kInfinity)};
   std::pair<int, int> before{0, 0};
-  for (int n = rays_.firstSlice(); n < rays_.slices(); ++n) {
+  for (int n = rays_.firstSlice(); n < rays_.endSlice(); ++n) {
     const hbShearFactorisation::Slice slice = rays_.slice(n);
-    const auto now = hbShearFactorisation::inside(axis, alongV ? slice.offsetV : slice.offsetU, slice.scale);
+    const auto now = hbShearFactorisation::inside(axis, alongV ? slice.offsetV : slice.offsetU, slice.scale, box);
     const auto start = [&](int from, int to) {
       for (int i = from; i < to; ++i) list.first[std::size_t(i)] = n;
     };
@@ -31,14 +32,14 @@ hbRayChords::Runs hbRayChords::runs(bool alongV) const {
     stop(std::max(before.first, now.second), before.second);
     before = now;
   }
-  for (int i = before.first; i < before.second; ++i) list.end[std::size_t(i)] = rays_.slices();
+  for (int i = before.first; i < before.second; ++i) list.end[std::size_t(i)] = rays_.endSlice();
 
   const hbShearFactorisation::Slice slice = rays_.slice(rays_.firstSlice()), change = rays_.changeOfSlice();
   for (int i = 0; i < axis.count; ++i) {
     const double at = (alongV ? slice.offsetV : slice.offsetU) + slice.scale * axis.at(i);
     const double rate = (alongV ? change.offsetV : change.offsetU) + change.scale * axis.at(i);
     if (rate == 0.0) continue;
-    const double a = rays_.firstSlice() + (0.0 - at) / rate, b = rays_.firstSlice() + (1.0 - at) / rate;
+    const double a = rays_.firstSlice() + (box.lo - at) / rate, b = rays_.firstSlice() + (box.hi - at) / rate;
     list.enter[std::size_t(i)] = std::min(a, b);
     list.leave[std::size_t(i)] = std::max(a, b);
   }
@@ -53,7 +54,7 @@ hbRayChords::Chord hbRayChords::at(int i, int j) const {
     start = std::max(start, rays_.placeInFront(rays_.u().at(i), rays_.v().at(j)));
     chord.first = std::max(chord.first, int(std::ceil(std::min(start, double(rays_.slices())))));
   }
-  const double end = rays_.slices() - 0.5;
+  const double end = rays_.backPlace();
   chord.before = std::clamp(chord.first - std::max({start, u_.enter[u], v_.enter[v]}), 0.0, 1.0);
   chord.after = std::clamp(std::min({end, u_.leave[u], v_.leave[v]}) - chord.last, 0.0, 1.0);
   return chord;

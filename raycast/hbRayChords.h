@@ -4,11 +4,11 @@
 
 #include "raycast/hbShearFactorisation.h"
 
-/// Where intermediate rays lie in the cube, counted in slices: a place n is slice n, n - 1/2 and n + 1/2 are the faces
-/// of its slab.
+/// Where intermediate rays lie in the box that is seen, counted in slices: a place n is slice n, n - 1/2 and n + 1/2
+/// are the faces of its slab.
 class hbRayChords {
 public:
-  /// A ray's slices, first to last, and how far it goes on in the cube before and after them: a slice stands for half a
+  /// A ray's slices, first to last, and how far it goes on in the box before and after them: a slice stands for half a
   /// slab to either side, the first and the last one for what there is.
   struct Chord {
     int first = 0, last = -1;
@@ -34,5 +34,5 @@ private:
 
   const hbShearFactorisation& rays_;
   Runs u_, v_;
-  double start_; ///< The cube's front face, or a camera behind it.
+  double start_; ///< The box's front face, or a camera behind it.
 };

@@ -64,11 +64,13 @@ void hbShearFactorisation::placeSlices(const hbScene& scene, const hbGeometry& g
   const glm::dvec3 middle = rays_->direction(0.5 * rays_->width(), 0.5 * rays_->height());
   const double depth = direction_ == viewDirection_ ? 1.0 / std::abs(middle[w]) : edges_[w];
   slices_ = int(std::clamp(std::ceil(depth / step * (1.0 - kRounding)), 1.0, double(hbSampling::kMaxSamples)));
-  if (!perspective_) return;
-  const auto isBehind = [&](int n) { return !(sign_ * (slice(n).w - eye_[w]) > 0.0); };
-  const double before = sign_ > 0.0 ? eye_[w] : 1.0 - eye_[w]; // what of the cube the eye has passed
-  firstSlice_ = int(std::clamp(std::floor(before * slices_ - 0.5), 0.0, double(slices_)));
-  while (firstSlice_ < slices_ && isBehind(firstSlice_)) ++firstSlice_;
+  endSlice_ = slices_;
+  const auto isShown = [&](int n) {
+    const double at = slice(n).w;
+    return at >= faces(w).lo && at <= faces(w).hi && (!perspective_ || sign_ * (at - eye_[w]) > 0.0);
+  };
+  while (firstSlice_ < endSlice_ && !isShown(firstSlice_)) ++firstSlice_;
+  while (firstSlice_ < endSlice_ && !isShown(endSlice_ - 1)) --endSlice_;
 }
 
 hbShearFactorisation::Slice hbShearFactorisation::slice(int n) const {
@@ -85,8 +87,7 @@ hbShearFactorisation::Slice hbShearFactorisation::changeOfSlice() const {
 
 double hbShearFactorisation::eyePlace() const {
   if (!perspective_) return -std::numeric_limits<double>::infinity();
-  const double passed = sign_ > 0.0 ? eye_[order_.plane] : 1.0 - eye_[order_.plane];
-  return passed * slices_ - 0.5;
+  return placeOf(eye_[order_.plane]);
 }
 
 double hbShearFactorisation::placeInFront(double a, double b) const {
@@ -137,16 +138,16 @@ hbShearFactorisation::Neighbours hbShearFactorisation::neighbours(double px, dou
   return found;
 }
 
-std::pair<int, int> hbShearFactorisation::inside(const Axis& axis, double offset, double scale) {
+std::pair<int, int> hbShearFactorisation::inside(const Axis& axis, double offset, double scale, const Faces& faces) {
   const auto at = [&](int i) { return offset + scale * axis.at(i); };
   const auto near = [&](double face) {
     return int(std::clamp(std::floor(axis.place((face - offset) / scale)), 0.0, double(axis.count)));
   };
-  int first = near(0.0), last = near(1.0);
-  while (first > 0 && at(first - 1) >= 0.0) --first;
-  while (first < axis.count && at(first) < 0.0) ++first;
-  while (last > 0 && at(last - 1) > 1.0) --last;
-  while (last < axis.count && at(last) <= 1.0) ++last;
+  int first = near(faces.lo), last = near(faces.hi);
+  while (first > 0 && at(first - 1) >= faces.lo) --first;
+  while (first < axis.count && at(first) < faces.lo) ++first;
+  while (last > 0 && at(last - 1) > faces.hi) --last;
+  while (last < axis.count && at(last) <= faces.hi) ++last;
   return {first, std::max(first, last)};
 }
 
@@ -205,11 +206,12 @@ hbShearFactorisation::Axis hbShearFactorisation::Axis::from(double place, int ne
 /// As far as any slice reaches.
 hbShearFactorisation::Axis hbShearFactorisation::cut(const Axis& axis, bool alongV) const {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-  for (int n = firstSlice_; n < slices_; ++n) {
+  const Faces box = faces(alongV ? order_.row : order_.fast);
+  for (int n = firstSlice_; n < endSlice_; ++n) {
     const Slice s = slice(n);
     const double offset = alongV ? s.offsetV : s.offsetU;
-    lo = std::min(lo, -offset / s.scale);
-    hi = std::max(hi, (1.0 - offset) / s.scale);
+    lo = std::min(lo, (box.lo - offset) / s.scale);
+    hi = std::max(hi, (box.hi - offset) / s.scale);
   }
   const double last = axis.at(axis.count - 1);
   if (!(lo <= last && hi >= axis.first)) return axis.from(0, 0);
@@ -236,9 +238,10 @@ void hbShearFactorisation::placeRays(int supersample) {
     (d == 0 ? u_ : v_) = cut(onPixels(projected.count < equal.count ? projected : equal, d), d == 1);
   }
   if (perspective_ || isEmpty()) return;
-  for (const double a : {u_.at(0), u_.at(u_.count - 1)})
-    for (const double b : {v_.at(0), v_.at(v_.count - 1)})
-      for (const int n : {0, slices_ - 1}) partlyBehind_ = partlyBehind_ || distance(n, a, b) < 0.0;
+  const auto& [lo, hi] = rays_->box();
+  for (const double x : {lo.x, hi.x})
+    for (const double y : {lo.y, hi.y})
+      for (const double z : {lo.z, hi.z}) partlyBehind_ = partlyBehind_ || rays_->distance({x, y, z}) < 0.0;
 }
 
 std::vector<hbShearFactorisation> hbShearFactorisation::of(const hbScene& scene, const hbGeometry& geometry,

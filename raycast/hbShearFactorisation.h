@@ -13,7 +13,8 @@
 #include "sparsegrid/hbAxisOrder.h"
 
 /// The geometry of a picture's rays along one main direction of a volume's cube: slices across it, and rays through a
-/// rectilinear lattice that stays one in every slice.
+/// rectilinear lattice that stays one in every slice. Of both, what lies in the box that is seen (hbPixelRays::box());
+/// slices lie where they do for the whole cube.
 ///
 /// With w the axis of the main direction and u, v the other two, a ray has base coordinates (a, b) that do not change
 /// along it. Orthographic: u and v where w = 1/2. Perspective: its slopes du/|dw| and dv/|dw|. In a slice it lies at
@@ -57,13 +58,17 @@ public:
 
   /// fast is u, row is v, plane is w: u the first of the two.
   const hbAxisOrder& order() const { return order_; }
-  /// The slices, front to back: at the midpoints of slices() equal slabs of the cube, from firstSlice() on in front of
-  /// a perspective camera.
+  /// The slices, front to back: at the midpoints of slices() equal slabs of the cube. Those from firstSlice() to before
+  /// endSlice() lie in the box, and in front of a perspective camera; none where the two are the same.
   int slices() const { return slices_; }
   int firstSlice() const { return firstSlice_; }
+  int endSlice() const { return endSlice_; }
   Slice slice(int n) const;
   /// What a slice differs by from the one before it.
   Slice changeOfSlice() const;
+  /// Among the slices: the box's front and back face; half a slab before the first and behind the last one of a cube.
+  double frontPlace() const { return placeOf(sign_ > 0.0 ? faces(order_.plane).lo : faces(order_.plane).hi); }
+  double backPlace() const { return placeOf(sign_ > 0.0 ? faces(order_.plane).hi : faces(order_.plane).lo); }
   /// Among the slices: a perspective camera's place; that of an orthographic one is far before them.
   double eyePlace() const;
   /// Among the slices: where a ray crosses an orthographic camera's plane.
@@ -72,8 +77,13 @@ public:
   const Axis& v() const { return v_; }
   /// Whether no ray meets a slice.
   bool isEmpty() const { return u_.count == 0 || v_.count == 0; }
-  /// Those i (from the first to before the second) whose rays lie in the cube in a slice.
-  static std::pair<int, int> inside(const Axis& axis, double offset, double scale);
+  /// The box along an axis of the cube.
+  struct Faces {
+    double lo = 0.0, hi = 1.0;
+  };
+  Faces faces(int axis) const { return {rays_->box().lo[axis], rays_->box().hi[axis]}; }
+  /// Those i (from the first to before the second) whose rays lie between the faces in a slice.
+  static std::pair<int, int> inside(const Axis& axis, double offset, double scale, const Faces& faces);
 
   /// Where the ray of base coordinates (a, b) meets a slice.
   glm::dvec3 point(const Slice& slice, double a, double b) const;
@@ -90,7 +100,7 @@ public:
   Neighbours neighbours(double px, double py) const;
   /// Whether the pixel's ray goes along this main direction.
   bool owns(double px, double py) const { return all_ || directionOf(px, py) == direction_; }
-  /// Whether a part of the slices lies behind an orthographic camera's plane.
+  /// Whether a part of the box lies behind an orthographic camera's plane.
   bool isPartlyBehind() const { return partlyBehind_; }
 
 private:
@@ -106,6 +116,7 @@ private:
   /// 2 * axis, one more for the negative direction.
   static int mainDirection(const glm::dvec3& scaled);
   int directionOf(double px, double py) const;
+  double placeOf(double w) const { return (sign_ > 0.0 ? w : 1.0 - w) * slices_ - 0.5; }
   void placeSlices(const hbScene& scene, const hbGeometry& geometry);
   /// Takes a pixel among those that the rays must cover.
   void reach(double px, double py);
@@ -124,7 +135,7 @@ private:
   bool all_ = false;  ///< Whether all pixels have this direction.
   hbAxisOrder order_;
   double sign_ = 1.0; ///< Of the direction along w.
-  int slices_ = 1, firstSlice_ = 0;
+  int slices_ = 1, firstSlice_ = 0, endSlice_ = 1;
   bool perspective_, partlyBehind_ = false;
   glm::dvec3 eye_{0.0};    ///< Perspective.
   glm::dvec2 slope_{0.0};  ///< Orthographic: du/dw, dv/dw.

@@ -56,7 +56,8 @@ struct hbShearWarp::Parts {
   }
   /// For the scene's camera.
   void place() {
-    rays = std::make_unique<const hbPixelRays>(*scene.camera, scene.width, scene.height, grid.geometry());
+    rays = std::make_unique<const hbPixelRays>(*scene.camera, scene.width, scene.height, grid.geometry(),
+                                               scene.clip.value_or(hbScene::ClipBox{}));
     factorisations = hbShearFactorisation::of(scene, grid.geometry(), *rays, supersample);
     evaluators.clear();
     for (const hbShearFactorisation& one : factorisations) evaluators.push_back(evaluatorsOf(one));
@@ -85,7 +86,6 @@ hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const O
   if (with.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of slices");
   if (with.mode == hbMode::dvr && (with.shading || with.gradientOpacity))
     throw hbError("shading: expected an engine of the ray caster, found one of slices");
-  if (with.clip) throw hbError("clip: expected an engine of the ray caster, found one of slices");
   if (options.supersample < 1 || options.supersample > kMostSupersample)
     throw hbError(fmt::format("supersample: expected 1 to {}, found {}", kMostSupersample, options.supersample));
 

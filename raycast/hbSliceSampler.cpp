@@ -4,14 +4,14 @@
 
 hbSliceSampler::Rectangle hbSliceSampler::rectangle(int n, int v0, int v1) const {
   const hbShearFactorisation::Slice slice = rays_.slice(n);
-  const auto u = hbShearFactorisation::inside(rays_.u(), slice.offsetU, slice.scale);
-  const auto v = hbShearFactorisation::inside(rays_.v(), slice.offsetV, slice.scale);
+  const auto u = hbShearFactorisation::inside(rays_.u(), slice.offsetU, slice.scale, rays_.faces(rays_.order().fast));
+  const auto v = hbShearFactorisation::inside(rays_.v(), slice.offsetV, slice.scale, rays_.faces(rays_.order().row));
   return {u.first, u.second, std::max(v.first, v0), std::min(v.second, v1)};
 }
 
 hbSliceSampler::Rectangle hbSliceSampler::inner(int n, const Rectangle& r) const {
   // Rays begin at an orthographic camera's plane, wherever that is.
-  if (n <= rays_.firstSlice() || n + 1 >= rays_.slices() || rays_.isPartlyBehind()) return {};
+  if (n <= rays_.firstSlice() || n + 1 >= rays_.endSlice() || rays_.isPartlyBehind()) return {};
   const Rectangle both = rectangle(n - 1, r.v0, r.v1).intersect(rectangle(n + 1, r.v0, r.v1)).intersect(r);
   return both.isEmpty() ? Rectangle{} : both;
 }

@@ -45,10 +45,10 @@ public:
   /// Keeps references to `rays` and what `source` refers to.
   hbSliceSampler(const hbShearFactorisation& rays, const Source& source) : rays_(rays), source_(source) {}
 
-  /// The rays of rows [v0, v1) that lie in the cube in slice n.
+  /// The rays of rows [v0, v1) that lie in the box in slice n.
   Rectangle rectangle(int n, int v0, int v1) const;
 
-  /// Those of the rectangle that surely lie in the cube in the slices before and after n, too: they neither begin nor
+  /// Those of the rectangle that surely lie in the box in the slices before and after n, too: they neither begin nor
   /// end there.
   Rectangle inner(int n, const Rectangle& r) const;
 

@@ -22,11 +22,11 @@ public:
   explicit hbSliceTasks(const hbShearFactorisation& rays) : rays_(rays) {
     const std::int64_t count = std::int64_t(rays.u().count) * rays.v().count;
     bands_ = int(std::min<std::int64_t>((count + kBandRays - 1) / kBandRays, rays.v().count));
-    chunks_ = std::clamp((rays.slices() - rays.firstSlice() + kChunkSlices - 1) / kChunkSlices, 1, kMostChunks);
+    chunks_ = std::clamp((rays.endSlice() - rays.firstSlice() + kChunkSlices - 1) / kChunkSlices, 1, kMostChunks);
   }
 
   /// Slices of all pieces.
-  std::int64_t steps() const { return std::int64_t(bands_) * (rays_.slices() - rays_.firstSlice()); }
+  std::int64_t steps() const { return std::int64_t(bands_) * (rays_.endSlice() - rays_.firstSlice()); }
   /// Rays of one piece, and of all pieces that are there at once.
   double raysAPiece() const { return double(rays_.u().count) * rays_.v().count / std::max(1, bands_); }
   double raysAtOnce() const { return raysAPiece() * chunks_ * std::min(kBandsAtOnce, bands_); }
@@ -60,7 +60,7 @@ private:
   /// First row or slice of a part; that of the next one ends it.
   int rowOf(int band) const { return int(std::int64_t(rays_.v().count) * band / bands_); }
   int sliceOf(int chunk) const {
-    return rays_.firstSlice() + int(std::int64_t(rays_.slices() - rays_.firstSlice()) * chunk / chunks_);
+    return rays_.firstSlice() + int(std::int64_t(rays_.endSlice() - rays_.firstSlice()) * chunk / chunks_);
   }
 
   const hbShearFactorisation& rays_;

@@ -9,9 +9,10 @@ using namespace hbTestScenes;
 
 namespace {
 
-/// Every pixel's ray, and whether and where it meets the cube, as hbCamera and hb::clipToCube() have it.
-int expectTheCamerasRays(const hbCamera& camera, const hbGeometry& g, int width, int height) {
-  const hbPixelRays rays(camera, width, height, g);
+/// Every pixel's ray, and whether and where it meets the box, as hbCamera and hb::clipToCube() have it.
+int expectTheCamerasRays(const hbCamera& camera, const hbGeometry& g, int width, int height,
+                         const hbScene::ClipBox& box = {}) {
+  const hbPixelRays rays(camera, width, height, g, box);
   const glm::dmat4 toCube = glm::inverse(g.cubeToWorld());
   const glm::dvec3 axis = camera.viewAxis();
   int met = 0;
@@ -21,7 +22,7 @@ int expectTheCamerasRays(const hbCamera& camera, const hbGeometry& g, int width,
       const hbRay ray = camera.ray(px, py, width, height);
       const double cosine = glm::dot(ray.direction, axis);
       EXPECT_NEAR(rays.stretch(px, py) * cosine, 1.0, 1e-12);
-      const auto expected = hb::clipToCube(ray, toCube);
+      const auto expected = hb::clipToCube(ray, toCube, box.lo, box.hi);
       const auto found = rays.clip(px, py);
       EXPECT_EQ(found.has_value(), expected.has_value()) << x << " " << y;
       if (!found || !expected) continue;
@@ -47,7 +48,8 @@ int expectTheCamerasRays(const hbCamera& camera, const hbGeometry& g, int width,
 
 TEST(hbPixelRays, AreTheCamerasRaysInTheCube) {
   for (const hbGeometry& g : {box({9, 9, 9}, {1.0, 1.0, 1.0}), awkward(), box({9, 1, 1}, {3.0, 1.0, 0.5})})
-    for (const hbCamera& camera : cameras(g)) expectTheCamerasRays(camera, g, 17, 12);
+    for (const hbCamera& camera : cameras(g))
+      for (const hbScene::ClipBox& clip : clipBoxes()) expectTheCamerasRays(camera, g, 17, 12, clip);
 }
 
 // Rays that lie in a face, along edges, or touch one belong to the cube or not by the last bit.
@@ -58,6 +60,9 @@ TEST(hbPixelRays, GrazeTheCubeAsClippingDoes) {
       hbCamera camera = hbCamera::framing(g, 0.0, elevation, projection);
       camera.height = 8.0 / 7.0; // pixel centres on two faces
       EXPECT_GT(expectTheCamerasRays(camera, g, 8, 8), 0);
+      hbScene::ClipBox half;
+      half.hi = glm::dvec3(0.5); // and on faces in the middle
+      EXPECT_GT(expectTheCamerasRays(camera, g, 9, 9, half), 0);
       camera.position = {0.5, -0.25, 1.0}; // in the plane of a face
       camera.target = {0.5, 0.5, 1.0};
       camera.up = {0.0, 0.0, 1.0};

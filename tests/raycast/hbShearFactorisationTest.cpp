@@ -29,11 +29,12 @@ template <class Visit>
 void forAllViews(Visit visit) {
   for (const hbGeometry& g : {box({9, 9, 9}, {1.0, 1.0, 1.0}), awkward()})
     for (const hbCamera& camera : cameras(g))
-      for (const int supersample : {1, 3}) {
-        const hbScene scene = sceneOf(hbMode::xray, camera, 16, 12);
-        const hbPixelRays rays(camera, scene.width, scene.height, g);
-        visit(g, scene, rays, supersample, hbShearFactorisation::of(scene, g, rays, supersample));
-      }
+      for (const int supersample : {1, 3})
+        for (const hbScene::ClipBox& clip : clipBoxes()) {
+          const hbScene scene = sceneOf(hbMode::xray, camera, 16, 12);
+          const hbPixelRays rays(camera, scene.width, scene.height, g, clip);
+          visit(g, scene, rays, supersample, hbShearFactorisation::of(scene, g, rays, supersample));
+        }
 }
 
 } // namespace
@@ -70,7 +71,7 @@ TEST(hbShearFactorisation, BaseCoordinatesFollowTheRays) {
       for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x) {
           const double px = x + 0.5, py = y + 0.5;
-          if (!f.owns(px, py)) continue;
+          if (!f.owns(px, py) || !rays.clip(px, py)) continue;
           const glm::dvec2 base = f.base(px, py);
           const glm::dvec3 o = rays.origin(px, py), v = rays.direction(px, py);
           double before = -std::numeric_limits<double>::infinity();
@@ -90,6 +91,7 @@ TEST(hbShearFactorisation, BaseCoordinatesFollowTheRays) {
   });
 }
 
+// And no others, whatever box is seen: these are where they are for the whole cube.
 TEST(hbShearFactorisation, SlicesAreTheMidpointsOfSlabs) {
   forAllViews([&](const hbGeometry& g, const hbScene& scene, const hbPixelRays& rays, int, const auto& list) {
     const double step = scene.sampling.stepLength(g, *scene.camera);
@@ -101,6 +103,18 @@ TEST(hbShearFactorisation, SlicesAreTheMidpointsOfSlabs) {
       int k = 0;
       for (const double place : places) EXPECT_NEAR(place, (k++ + 0.5) / count, 0x1p-52);
       EXPECT_EQ(k, count);
+      ASSERT_LE(f.firstSlice(), f.endSlice());
+      for (int n = 0; n < count; ++n) {
+        const double at = f.slice(n).w, eye = rays.origin(0.0, 0.0)[w];
+        const bool isBehind =
+            scene.camera->projection == Projection::perspective && !((at - eye) * f.changeOfSlice().w > 0.0);
+        const bool isIn = at >= rays.box().lo[w] && at <= rays.box().hi[w] && !isBehind;
+        EXPECT_EQ(isIn, n >= f.firstSlice() && n < f.endSlice()) << n;
+      }
+      // The faces' places among them: that of a slice at w is n.
+      const double back = f.changeOfSlice().w > 0.0 ? rays.box().hi[w] : rays.box().lo[w];
+      EXPECT_NEAR(f.backPlace(), (back - f.slice(0).w) / f.changeOfSlice().w, 1e-12);
+      EXPECT_NEAR(f.backPlace() - f.frontPlace(), (rays.box().hi[w] - rays.box().lo[w]) * count, 1e-12);
       if (list.size() > 1) continue;
       // The fewest that are no farther apart along the view axis than the samples of a ray.
       const double apart = 1.0 / (count * std::abs(middle[w]));
@@ -152,7 +166,7 @@ TEST(hbShearFactorisation, RaysAreAsDenseAsPixels) {
               bool meets = false;
               for (int n = f.firstSlice(); n < f.slices() && !meets; ++n) {
                 const glm::dvec3 p = f.point(f.slice(n), base.x, base.y);
-                meets = std::min({p.x, p.y, p.z}) >= 0.0 && std::max({p.x, p.y, p.z}) <= 1.0;
+                meets = p == glm::clamp(p, rays.box().lo, rays.box().hi);
               }
               const hbShearFactorisation::Neighbours around = f.neighbours(px, py);
               double sum = 0.0;
@@ -189,23 +203,25 @@ TEST(hbShearFactorisation, PixelsAreRaysAlongAnAxis) {
       }
 }
 
-TEST(hbShearFactorisation, InsideIsWhatLiesInTheCube) {
+TEST(hbShearFactorisation, InsideIsWhatLiesBetweenFaces) {
   for (const double bend : {0.0, 0.01, -0.01})
     for (const double offset : {-0.5, 0.0, 0.25, 3.0})
-      for (const double scale : {1.0, 0.125, 1e-9}) {
-        const hbShearFactorisation::Axis axis{-1.0, 0.0625, bend, 40};
-        const auto [first, end] = hbShearFactorisation::inside(axis, offset, scale);
-        ASSERT_LE(first, end);
-        for (int i = 0; i < axis.count; ++i) {
-          const double u = offset + scale * axis.at(i);
-          EXPECT_EQ(i >= first && i < end, u >= 0.0 && u <= 1.0) << bend << " " << offset << " " << scale << " " << i;
-          EXPECT_NEAR(axis.place(axis.at(i)), i, 1e-12);
-          // 40 steps of 1/16 from -1 on.
-          if (i >= 3) {
-            EXPECT_NEAR(axis.from(3, 37).at(i - 3), axis.at(i), 1e-14);
+      for (const double scale : {1.0, 0.125, 1e-9})
+        for (const hbShearFactorisation::Faces& faces : {hbShearFactorisation::Faces{}, {0.25, 0.5}, {0.3, 0.31}}) {
+          const hbShearFactorisation::Axis axis{-1.0, 0.0625, bend, 40};
+          const auto [first, end] = hbShearFactorisation::inside(axis, offset, scale, faces);
+          ASSERT_LE(first, end);
+          for (int i = 0; i < axis.count; ++i) {
+            const double u = offset + scale * axis.at(i);
+            EXPECT_EQ(i >= first && i < end, u >= faces.lo && u <= faces.hi)
+                << bend << " " << offset << " " << scale << " " << i;
+            EXPECT_NEAR(axis.place(axis.at(i)), i, 1e-12);
+            // 40 steps of 1/16 from -1 on.
+            if (i >= 3) {
+              EXPECT_NEAR(axis.from(3, 37).at(i - 3), axis.at(i), 1e-14);
+            }
           }
         }
-      }
 }
 
 // Rays of a wide picture are projected rows whose pole lies near the picture's edge, which moving them onto the pixels

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "raycast/hbShearFactorisation.h"
@@ -17,11 +18,11 @@
 /// Shear-warp written down plainly: one ray, one slice, one point after the other, in 64 bits.
 class hbShearReference {
 public:
-  /// Slices that a ray meets in the cube and before the camera, and the field's value on each.
+  /// Slices that a ray meets in what is seen of the cube and before the camera, and the field's value on each.
   struct Samples {
     int first = 0;
     std::vector<double> values;
-    double before = 0.0, after = 0.0; ///< What the ray goes on in the cube before and after them, in slabs.
+    double before = 0.0, after = 0.0; ///< What the ray goes on in there before and after them, in slabs.
 
     /// The mean along the ray: a value stands for half a slab to either side, or for what there is.
     double mean() const {
@@ -43,10 +44,11 @@ public:
 
   hbShearReference(const hbSparseGrid& grid, const hbScene& scene, int supersample = 1)
       : grid_(grid), scene_(withCamera(grid, scene)),
-        rays_(*scene_.camera, scene_.width, scene_.height, grid.geometry()),
+        rays_(*scene_.camera, scene_.width, scene_.height, grid.geometry(), box()),
         list_(hbShearFactorisation::of(scene_, grid.geometry(), rays_, supersample)) {}
 
   const hbScene& scene() const { return scene_; }
+  hbScene::ClipBox box() const { return scene_.clip.value_or(hbScene::ClipBox{}); }
   const hbPixelRays& rays() const { return rays_; }
   const std::vector<hbShearFactorisation>& factorisations() const { return list_; }
 
@@ -77,18 +79,19 @@ public:
     Samples& result = known->second;
     for (int n = f.firstSlice(); n < f.slices(); ++n) {
       const glm::dvec3 p = point(f, i, j, n);
-      if (!(std::min({p.x, p.y, p.z}) >= 0.0 && std::max({p.x, p.y, p.z}) <= 1.0)) continue;
-      if (rays_.distance(p) < 0.0) continue;
+      if (p != glm::clamp(p, box().lo, box().hi)) continue;
+      // Beside a wide picture's edge rays go back from the eye, which has them in front all the same.
+      if (scene_.camera->projection == hbCamera::Projection::orthographic && rays_.distance(p) < 0.0) continue;
       if (result.values.empty()) result.first = n;
       result.values.push_back(value(p));
     }
     if (result.values.empty()) return result;
-    const glm::dvec3 p = point(f, i, j, result.first), way = slabOf(f, p);
+    const glm::dvec3 p = point(f, i, j, result.first), way = slabOf(f, i, j, result.first);
     double before = std::numeric_limits<double>::infinity(), after = before;
     for (int d = 0; d < 3; ++d) {
       if (way[d] == 0.0) continue;
-      before = std::min(before, std::max(p[d] / way[d], (p[d] - 1.0) / way[d]));
-      after = std::min(after, std::max(-p[d] / way[d], (1.0 - p[d]) / way[d]));
+      before = std::min(before, std::max((p[d] - box().lo[d]) / way[d], (p[d] - box().hi[d]) / way[d]));
+      after = std::min(after, std::max((box().lo[d] - p[d]) / way[d], (box().hi[d] - p[d]) / way[d]));
     }
     // From the camera, or its plane, on.
     result.before = std::min(before, rays_.distance(p) / (rays_.distance(p + way) - rays_.distance(p)));
@@ -96,8 +99,9 @@ public:
     return result;
   }
 
-  /// The way of the ray through p from slice to slice.
-  glm::dvec3 slabOf(const hbShearFactorisation& f, const glm::dvec3& p) const {
+  /// The way of a ray from slice n, which may lie in the eye, to the next.
+  glm::dvec3 slabOf(const hbShearFactorisation& f, int i, int j, int n) const {
+    const glm::dvec3 p = point(f, i, j, n + 1);
     const glm::dvec3 way = scene_.camera->projection == hbCamera::Projection::perspective ? p - rays_.origin(0.0, 0.0)
                                                                                           : rays_.direction(0.0, 0.0);
     return way / (std::abs(way[f.order().plane]) * f.slices());

@@ -60,7 +60,7 @@ RayLight lightOf(hbShearReference& reference, const hbMatter& matter, const hbSh
   RayLight ray;
   ray.slices = s.values.size();
   if (s.values.empty()) return ray;
-  const glm::dvec3 way = reference.slabOf(*n.rays, hbShearReference::point(*n.rays, n.i, n.j, s.first));
+  const glm::dvec3 way = reference.slabOf(*n.rays, n.i, n.j, s.first);
   const double slab = glm::length(glm::inverse(glm::dmat3(reference.rays().worldToCube())) * way);
   ray.length = slab * (s.before + s.after + double(s.values.size() - 1));
   for (std::size_t k = 0; k < s.values.size(); ++k) {
@@ -225,6 +225,25 @@ TEST(hbShearWarpDvr, IsTheReference) {
   }
 }
 
+TEST(hbShearWarpDvr, ClipBoxesAreTheReference) {
+  const hbSparseGrid grid = gridOf(awkward(), 3, {waves});
+  const std::vector<hbCamera> list = cameras(awkward());
+  for (const hbScene::ClipBox& clip : clipBoxes()) {
+    int seen = 0;
+    for (std::size_t k = 0; k < list.size(); ++k)
+      for (const bool isPreintegrated : {false, true}) {
+        if (isPreintegrated && !isOblique(k)) continue;
+        SCOPED_TRACE(testing::Message() << "camera " << k << " box from " << clip.lo.x << " " << clip.lo.y);
+        hbScene scene = dvrScene(ramp(0.5), list[k], 20);
+        scene.clip = clip;
+        scene.preintegrated = isPreintegrated;
+        seen += expectReference(grid, scene);
+        if (testing::Test::HasFailure()) return;
+      }
+    EXPECT_GT(seen, 19 * 13);
+  }
+}
+
 // Bands of rays and chunks of slices join without a seam, opaque or not.
 TEST(hbShearWarpDvr, LargePicturesAreTheReference) {
   const hbSparseGrid grid = gridOf(box({3, 3, 3}, {1.0, 1.0, 1.0}), 1, {waves});
@@ -268,11 +287,12 @@ TEST(hbShearWarpDvr, AHomogeneousMediumIsExact) {
     int seen = 0;
     const std::vector<hbCamera> list = cameras(g);
     for (std::size_t k = 0; k < list.size(); ++k)
-      for (const int samples : {1, 7, 60})
+      for (const auto& [samples, clip] : {std::pair(1, 0), {7, 0}, {60, 0}, {7, 1}, {7, 2}, {60, 3}})
         for (const bool isPreintegrated : {false, true}) {
           if (isPreintegrated && !(isOblique(k) && samples == 7)) continue;
           const hbCamera& camera = list[k];
           hbScene scene = dvrScene(fog(kOpacity, kUnit), camera, samples);
+          scene.clip = clipBoxes()[std::size_t(clip)];
           scene.preintegrated = isPreintegrated;
           const hbPicture picture = draw(grid, scene);
           for (int y = 0; y < scene.height; ++y)
@@ -332,7 +352,7 @@ TEST(hbShearWarpDvr, IsWithinADerivedBoundOfRayCasting) {
             const int last = s.first + int(s.values.size()) - 1;
             const glm::dvec3 first = hbShearReference::point(*n.rays, n.i, n.j, s.first),
                              far = hbShearReference::point(*n.rays, n.i, n.j, last),
-                             way = reference.slabOf(*n.rays, first);
+                             way = reference.slabOf(*n.rays, n.i, n.j, s.first);
             // A value stands for points within a slab, or half a step.
             e = std::max(change(in->enter - (first - s.before * way)), change(in->leave - (far + s.after * way))) +
                 change(way) + 0.5 * change(whole / std::ceil(in->length / step)) + rounding;

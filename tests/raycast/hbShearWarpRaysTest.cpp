@@ -71,8 +71,10 @@ TEST(hbShearWarp, IsWithinADerivedBoundOfRayCasting) {
     const hbSparseGrid grid = gridOf(g, 4, {waves});
     int covered = 0;
     for (const hbCamera& camera : cameras(g))
-      for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
-        const hbScene scene = sceneOf(mode, camera, 20, 16, 24);
+      for (const auto& [mode, clip] :
+           {std::pair(hbMode::xray, 0), {hbMode::mip, 0}, {hbMode::xray, 1}, {hbMode::mip, 1}, {hbMode::xray, 2}}) {
+        hbScene scene = sceneOf(mode, camera, 20, 16, 24);
+        scene.clip = clipBoxes()[std::size_t(clip)];
         hbShearReference reference(grid, scene);
         const hbPicture warped = draw(grid, scene), cast = hbRaycaster(grid, scene).render();
         const glm::dvec3 slopes = reference.slopes();
@@ -98,7 +100,7 @@ TEST(hbShearWarp, IsWithinADerivedBoundOfRayCasting) {
               const int last = s.first + int(s.values.size()) - 1;
               const glm::dvec3 first = hbShearReference::point(*n.rays, n.i, n.j, s.first),
                                far = hbShearReference::point(*n.rays, n.i, n.j, last),
-                               way = reference.slabOf(*n.rays, first);
+                               way = reference.slabOf(*n.rays, n.i, n.j, s.first);
               beside = std::max(
                   {beside, change(in->enter - (first - s.before * way)), change(in->leave - (far + s.after * way))});
               slab = std::max(slab, change(way));

@@ -70,6 +70,37 @@ TEST(hbShearWarp, XrayAndMipAreTheReference) {
   }
 }
 
+TEST(hbShearWarp, ClipBoxesAreTheReference) {
+  const hbSparseGrid grid = gridOf(awkward(), 3, {waves});
+  for (const hbScene::ClipBox& clip : clipBoxes()) {
+    int covered = 0;
+    for (const hbCamera& camera : cameras(awkward()))
+      for (const hbMode mode : {hbMode::xray, hbMode::mip})
+        for (const int samples : {9, 60}) {
+          SCOPED_TRACE(testing::Message() << "camera at " << camera.position.x << " " << camera.position.y << " "
+                                          << camera.position.z << " projection " << int(camera.projection)
+                                          << " box from " << clip.lo.x << " " << clip.lo.y << " " << samples);
+          hbScene scene = sceneOf(mode, camera, 14, 11, samples);
+          scene.clip = clip;
+          covered += expectReference(grid, scene);
+          if (testing::Test::HasFailure()) return;
+        }
+    EXPECT_GT(covered, 14 * 11 * 4);
+  }
+}
+
+// Nothing is clipped by a box that is all of the volume.
+TEST(hbShearWarp, AClipBoxOfAllIsNone) {
+  const hbSparseGrid grid = gridOf(awkward(), 3, {waves});
+  for (const hbCamera& camera : cameras(awkward()))
+    for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso}) {
+      hbScene scene = sceneOf(mode, camera);
+      const hbPicture whole = draw(grid, scene);
+      scene.clip.emplace();
+      EXPECT_EQ(draw(grid, scene).channels, whole.channels);
+    }
+}
+
 TEST(hbShearWarp, FlatVolumesAreTheReference) {
   for (const hbSize3& size : {hbSize3(9, 6, 1), hbSize3(1, 9, 9), hbSize3(7, 1, 1), hbSize3(1, 1, 1)}) {
     const hbGeometry g = box(size, {2.0, 1.0, 0.4});
@@ -110,8 +141,12 @@ TEST(hbShearWarp, IsoSurfacesAreTheReference) {
   for (const hbGeometry& g : {box({17, 17, 17}, {1.0, 1.0, 1.0}), awkward()}) {
     const hbSparseGrid grid = gridOf(g, 4, {waves});
     int hits = 0, misses = 0;
-    for (const hbCamera& camera : cameras(g)) {
-      const hbScene scene = sceneOf(hbMode::iso, camera, 14, 11, 12);
+    std::vector<std::pair<hbCamera, std::optional<hbScene::ClipBox>>> views;
+    for (const hbCamera& camera : cameras(g)) views.emplace_back(camera, std::nullopt);
+    for (const hbCamera& camera : cameras(g)) views.emplace_back(camera, clipBoxes()[1]);
+    for (const auto& [camera, clip] : views) {
+      hbScene scene = sceneOf(hbMode::iso, camera, 14, 11, 12);
+      scene.clip = clip;
       hbShearReference reference(grid, scene);
       const hbPixelRays& pixelRays = reference.rays();
       const hbPicture picture = draw(grid, scene);
@@ -219,8 +254,9 @@ TEST(hbShearWarp, AConstantFieldShowsTheExactLengths) {
   const hbGeometry g = awkward();
   const hbSparseGrid grid = gridOf(g, 3, {[](const glm::dvec3&) { return 2.5; }});
   for (const hbCamera& camera : cameras(g))
-    for (const int samples : {1, 7}) {
-      const hbScene scene = sceneOf(hbMode::xray, camera, 14, 11, samples);
+    for (const auto& [samples, clip] : {std::pair(1, 0), {7, 0}, {7, 1}, {7, 2}, {60, 3}}) {
+      hbScene scene = sceneOf(hbMode::xray, camera, 14, 11, samples);
+      scene.clip = clipBoxes()[std::size_t(clip)];
       const hbPicture picture = draw(grid, scene);
       for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x) {

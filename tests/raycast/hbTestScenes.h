@@ -103,14 +103,23 @@ inline hbPicture draw(const hbSparseGrid& grid, const hbScene& scene, int supers
   return hbShearWarp(grid, scene, {supersample}).render();
 }
 
-/// World length and middle of the part of a pixel's ray in the cube.
+/// All of a volume, an inner part of it, one thinner than most distances between slices, and one at a corner.
+inline std::vector<hbScene::ClipBox> clipBoxes() {
+  return {{},
+          {{0.1, 0.25, 0.3}, {0.8, 0.7, 0.9}},
+          {{0.0, 0.51, 0.0}, {1.0, 0.52, 1.0}},
+          {{0.7, 0.0, 0.6}, {1.0, 0.45, 1.0}}};
+}
+
+/// World length and middle of the part of a pixel's ray in the cube, or in what of it is seen.
 struct InCube {
   double length = 0.0;
   glm::dvec3 enter{0.0}, leave{0.0};
 };
 inline std::optional<InCube> inCube(const hbGeometry& g, const hbScene& scene, int x, int y) {
-  const auto segment =
-      hb::clipToCube(scene.camera->ray(x + 0.5, y + 0.5, scene.width, scene.height), glm::inverse(g.cubeToWorld()));
+  const hbScene::ClipBox box = scene.clip.value_or(hbScene::ClipBox{});
+  const auto segment = hb::clipToCube(scene.camera->ray(x + 0.5, y + 0.5, scene.width, scene.height),
+                                      glm::inverse(g.cubeToWorld()), box.lo, box.hi);
   if (!segment) return std::nullopt;
   return InCube{segment->length(), segment->at(segment->enter), segment->at(segment->leave)};
 }
