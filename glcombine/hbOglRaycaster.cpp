@@ -13,6 +13,7 @@
 #include "glcombine/hbOglRays.h"
 #include "glcombine/hbOglSurfaceShader.h"
 #include "glcombine/hbOglTiles.h"
+#include "raycast/hbLitPieces.h"
 #include "raycast/hbMatter.h"
 #include "raycast/hbPlaneCompositor.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
@@ -47,6 +48,8 @@ struct hbOglRaycaster::Parts {
   Parts(const hbGlContext& c, const hbSparseGrid& g, const hbScene& asked, const Options& choice)
       : context(c), gl(c.gl()), grid(g), scene(hbPlaneRays(g, asked).scene()), options(choice) {
     options.blend.memory = options.memory;
+    if (scene.mode == hbMode::dvr && hbLitPieces::areIn(scene) && !(options.form == Form::blend && options.readBack))
+      throw hbError("shading: expected planes that are read back, found a picture composited on the device");
     const int most = mostTexels();
     if (std::max(scene.width, scene.height) > most)
       throw hbError(fmt::format("picture: expected sides of at most {} pixels on this device, found {} x {}", most,

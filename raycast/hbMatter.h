@@ -36,13 +36,18 @@ public:
   const hbTransferTable& table() const { return *table_; }
   const hbPreintegration& slabs() const { return *slabs_; }
 
-  /// Adds a piece of one field value to what a ray sees, and a pre-integrated slab between two, so long in the world.
-  void add(float value, double length, hbEmissionAbsorption& light) const {
+  /// Adds a piece, of at() or slab(), to what a ray sees, so long in the world.
+  void addPiece(const glm::vec4& piece, double length, hbEmissionAbsorption& light,
+                const hbShading::Reflection& reflection = {}) const {
     if (slabs_)
-      light.addSlab(slab(value, value), length / step_);
+      light.addSlab(piece, length / step_, reflection);
     else
-      light.add(at(value), length);
+      light.add(piece, length, reflection);
   }
+  /// The piece of one field value.
+  glm::vec4 piece(float value) const { return slabs_ ? slab(value, value) : at(value); }
+  /// Adds a piece of one field value to what a ray sees, and a pre-integrated slab between two, so long in the world.
+  void add(float value, double length, hbEmissionAbsorption& light) const { addPiece(piece(value), length, light); }
   void addSlab(float front, float back, double length, hbEmissionAbsorption& light) const {
     light.addSlab(slab(front, back), length / step_);
   }

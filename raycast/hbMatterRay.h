@@ -1,9 +1,7 @@
 #pragma once
 
-#include <vector>
-
-#include "raycast/hbCentralDifferences.h"
 #include "raycast/hbEmissionAbsorption.h"
+#include "raycast/hbLitPieces.h"
 #include "raycast/hbMatter.h"
 #include "raycast/hbRaySegment.h"
 #include "scene/hbRay.h"
@@ -23,35 +21,24 @@ public:
   bool add(const glm::vec4& piece, double length, double middle) {
     if (!(piece.a > 0.0F)) return true;
     if (isLit_) return addLit(piece, length, middle);
-    compose({piece, length}, {});
+    matter_.addPiece(piece, length, light_);
     return !light_.isOpaque();
   }
 
   const hbEmissionAbsorption& finish();
 
+  hbMatterRay(const hbMatterRay&) = delete; // pieces know where its light is
+  hbMatterRay& operator=(const hbMatterRay&) = delete;
+
 private:
-  struct Piece {
-    glm::vec4 matter;
-    double length;
-  };
-  void compose(const Piece& piece, const hbShading::Reflection& reflection) {
-    if (matter_.isPreintegrated())
-      light_.addSlab(piece.matter, piece.length / matter_.step(), reflection);
-    else
-      light_.add(piece.matter, piece.length, reflection);
-  }
   bool addLit(const glm::vec4& piece, double length, double middle);
-  void composeLit();
 
   const hbScene& scene_;
   const hbMatter& matter_;
-  hbCentralDifferences differences_;
   bool isLit_;
-  glm::dmat4 cubeToWorld_;
+  hbLitPieces pieces_;
   hbRay ray_;
   hbRaySegment segment_;
   hbEmissionAbsorption light_;
-  std::vector<Piece> waiting_; ///< For their gradients.
-  std::vector<glm::dvec3> places_;
   double ahead_ = 1.0; ///< The transmittance behind what is waiting, at least.
 };

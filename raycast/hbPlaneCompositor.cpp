@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "raycast/hbLitPieces.h"
 #include "raycast/hbSurfaceShader.h"
 
 hbPlaneCompositor::hbPlaneCompositor(const hbPlaneRays& rays) : rays_(rays) {
@@ -17,7 +18,10 @@ hbPlaneCompositor::hbPlaneCompositor(const hbPlaneRays& rays) : rays_(rays) {
   if (mode != hbMode::dvr) return;
   matter_.emplace(rays.scene(), rays.field().valueMap(), rays.step());
   lights_.resize(pixels);
+  if (hbLitPieces::areIn(rays.scene())) lit_ = std::make_unique<hbLitPieces>(rays.field(), rays.scene(), *matter_);
 }
+
+hbPlaneCompositor::~hbPlaneCompositor() = default;
 
 void hbPlaneCompositor::add(int index, std::span<const float> values) {
   assert(index == added_ && values.size() == rays_.rays().size());
@@ -49,20 +53,31 @@ void hbPlaneCompositor::add(int index, std::span<const float> values) {
       break;
     }
   }
+  if (lit_) lit_->compose();
 }
 
 void hbPlaneCompositor::composite(std::size_t pixel, int index, float value) {
   const hbPlaneRays::Ray& ray = rays_.rays()[pixel];
-  hbEmissionAbsorption& light = lights_[pixel];
-  if (light.isOpaque()) return;
-  if (!matter_->isPreintegrated()) return matter_->add(value, rays_.share(ray, index), light);
+  if (lights_[pixel].isOpaque()) return;
+  if (!matter_->isPreintegrated()) return addPiece(pixel, matter_->at(value), rays_.share(ray, index), index);
   // What lies before the first plane and behind the last has their values.
+  const double step = rays_.step() / ray.cosine;
   if (index == ray.first)
-    matter_->add(value, ray.before, light);
+    addPiece(pixel, matter_->slab(value, value), ray.before, index - 0.5 * ray.before / step);
   else
-    matter_->addSlab(greatest_[pixel], value, rays_.step() / ray.cosine, light);
+    addPiece(pixel, matter_->slab(greatest_[pixel], value), step, index - 0.5);
   greatest_[pixel] = value;
-  if (index == ray.last && !light.isOpaque()) matter_->add(value, ray.behind, light);
+  if (index == ray.last) addPiece(pixel, matter_->slab(value, value), ray.behind, index + 0.5 * ray.behind / step);
+}
+
+/// `place`: of its middle.
+void hbPlaneCompositor::addPiece(std::size_t pixel, const glm::vec4& piece, double length, double place) {
+  hbEmissionAbsorption& light = lights_[pixel];
+  if (!(piece.a > 0.0F) || light.isOpaque()) return;
+  if (lit_)
+    lit_->add(piece, length, rays_.at(pixel, place), rays_.direction(pixel), light);
+  else
+    matter_->addPiece(piece, length, light);
 }
 
 hbPicture hbPlaneCompositor::finish() const {

@@ -9,22 +9,19 @@
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 
+#include "raycast/hbMatterRay.h"
 #include "raycast/hbPixelRays.h"
 #include "raycast/hbPointBatch.h"
-#include "raycast/hbRaySegment.h"
 #include "raycast/hbSceneCheck.h"
 #include "scene/hbColorSpace.h"
 #include "volume/hbError.h"
 
 hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
-    : field_(field), scene_(scene), worldToCube_(glm::inverse(field.geometry().cubeToWorld())),
-      box_(scene.clip.value_or(hbScene::ClipBox{})) {
+    : field_(field), scene_(scene), worldToCube_(glm::inverse(field.geometry().cubeToWorld())) {
   hb::checkScene(scene, field);
   scene_.camera = scene.cameraFor(field.geometry());
   scene_.sampling.kind = hbSampling::Kind::planewise;
   if (scene.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of planes");
-  if (scene.mode == hbMode::dvr && (scene.shading || scene.gradientOpacity))
-    throw hbError("shading: expected an engine of the ray caster, found one of planes");
   if (scene.isoValue) iso_ = float(field.valueMap().fromTrue(*scene.isoValue));
   const hbCamera& camera = *scene_.camera;
   planes_ = scene.sampling.planes(field.geometry(), camera);
@@ -35,7 +32,7 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
   const glm::dvec3 axis = camera.viewAxis();
   for (std::size_t pixel = 0; pixel < rays_.size(); ++pixel) {
     const hbRay through = ray(pixel);
-    const auto segment = hb::clipToCube(through, worldToCube_, box_.lo, box_.hi);
+    const auto segment = clipped(through);
     const double cosine = glm::dot(through.direction, axis);
     if (!segment || !(cosine > 0.0)) continue;
     // As hbRaycaster has it; rays of both projections start on the plane through the camera's position.
@@ -54,6 +51,11 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
 hbRay hbPlaneRays::ray(std::size_t pixel) const {
   const auto width = std::size_t(scene_.width);
   return scene_.camera->ray(double(pixel % width) + 0.5, double(pixel / width) + 0.5, scene_.width, scene_.height);
+}
+
+std::optional<hbRaySegment> hbPlaneRays::clipped(const hbRay& through) const {
+  const hbScene::ClipBox box = scene_.clip.value_or(hbScene::ClipBox{});
+  return hb::clipToCube(through, worldToCube_, box.lo, box.hi);
 }
 
 glm::dvec3 hbPlaneRays::direction(std::size_t pixel) const { return ray(pixel).direction; }
@@ -182,19 +184,27 @@ hbPicture hbPlaneRays::dvr(std::span<const glm::vec4> lights, const hbMatter& ma
 
 void hbPlaneRays::addBetween(std::span<glm::vec4> lights, const hbMatter& matter) const {
   std::vector<std::size_t> pixels;
+  std::vector<hbRaySegment> segments;
   hbPointBatch batch;
   for (std::size_t i = 0; i < rays_.size(); ++i) {
     if (rays_[i].last >= rays_[i].first || !(rays_[i].before > 0.0)) continue;
-    const auto segment = hb::clipToCube(ray(i), worldToCube_, box_.lo, box_.hi);
     pixels.push_back(i);
-    batch.add(segment->at(segment->enter + 0.5 * segment->length()));
+    segments.push_back(*clipped(ray(i)));
+    batch.add(segments.back().at(segments.back().enter + 0.5 * segments.back().length()));
   }
   if (pixels.empty()) return;
   batch.evaluate(field_, scene_.component);
+  hbMatterRay along(field_, scene_, matter);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Ray& ray = rays_[pixels[i]];
-    hbEmissionAbsorption light;
-    matter.add(batch.value[i], ray.before + ray.behind, light);
-    lights[pixels[i]] = light.shown();
+    const glm::vec4 piece = matter.piece(batch.value[i]);
+    const double length = segments[i].length();
+    along.begin(ray(pixels[i]), segments[i]);
+    // Slabs lie before the sample and behind it.
+    if (matter.isPreintegrated()) {
+      for (const double middle : {0.25, 0.75}) along.add(piece, 0.5 * length, segments[i].enter + middle * length);
+    } else {
+      along.add(piece, length, segments[i].enter + 0.5 * length);
+    }
+    lights[pixels[i]] = along.finish().shown();
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include <glm/vec4.hpp>
 
 #include "raycast/hbMatter.h"
+#include "raycast/hbRaySegment.h"
 #include "scene/hbPicture.h"
 #include "scene/hbScene.h"
 #include "volume/hbField.h"
@@ -29,7 +31,8 @@ public:
     Window window{}; ///< No other pixels see the volume on this plane.
   };
 
-  /// The planes on which a pixel's ray is in the volume, none where last < first.
+  /// The planes on which a pixel's ray is in the volume, or in the part of it that the clip box leaves; none where last
+  /// < first.
   struct Ray {
     std::int32_t first = 0, last = -1;
     double cosine = 1.0; ///< Between the ray and the view axis.
@@ -47,8 +50,8 @@ public:
     float value = 0.0F;     ///< The field's.
   };
 
-  /// Of a picture of `field`, to which a reference is kept, with the scene's size, camera and sampling; its `shading`,
-  /// `gradientOpacity` and `clip` are not looked at. Throws hbError as hbRaycaster does, and for the mode slice.
+  /// Of a picture of `field`, to which a reference is kept, with the scene's size, camera, sampling and clip box.
+  /// Throws hbError as hbRaycaster does, and for the mode slice.
   hbPlaneRays(const hbField& field, const hbScene& scene);
 
   /// With its camera.
@@ -80,13 +83,14 @@ public:
   hbPicture mip(std::span<const float> maxima) const;
   hbPicture iso(std::span<const Surface> surfaces) const;
   /// From what is seen along the rays: red, green and blue in linear light, multiplied by the opacity, and the opacity.
-  /// What rays that meet no plane show is found here, of one sample in the middle of each: light is not lost between
-  /// two planes.
+  /// What rays that meet no plane show is found here, lit as the scene says, of one sample in the middle of each: light
+  /// is not lost between two planes.
   hbPicture dvr(std::span<const glm::vec4> lights, const hbMatter& matter) const;
 
 private:
   double distance(double place) const { return near_ + (place + 0.5) * step_; }
   hbRay ray(std::size_t pixel) const;
+  std::optional<hbRaySegment> clipped(const hbRay& ray) const;
   Window window(int plane) const;
   hbPicture empty() const;
   void addBetween(std::span<glm::vec4> lights, const hbMatter& matter) const;
@@ -94,7 +98,6 @@ private:
   const hbField& field_;
   hbScene scene_;
   glm::dmat4 worldToCube_;
-  hbScene::ClipBox box_;
   int planes_ = 0;
   double near_ = 0.0, step_ = 1.0;
   float iso_ = 0.0F;

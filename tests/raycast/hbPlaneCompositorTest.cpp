@@ -7,6 +7,7 @@
 #include "raycast/hbRaycaster.h"
 #include "tests/raycast/hbDvrBounds.h"
 #include "tests/raycast/hbDvrScenes.h"
+#include "tests/raycast/hbLitBounds.h"
 #include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 #include "volume/hbError.h"
@@ -150,6 +151,61 @@ TEST(hbPlaneCompositor, PreintegratedDvrIsPlanewiseRayCasting) {
                opaque);
   }
   EXPECT_GT(seen, 200);
+}
+
+// Of what is in the box alone, that between two planes included. Box and volume share no face.
+TEST(hbPlaneCompositor, ClippedIsPlanewiseRayCasting) {
+  const hbGeometry g = awkward();
+  const hbSparseGrid grid = gridOf(g, 3, {waves});
+  const std::vector<hbCamera> all = cameras(g);
+  int seen = 0, opaque = 0;
+  for (const std::size_t i : {std::size_t{6}, all.size() - 2})
+    for (const int samples : {2, 9}) {
+      hbScene scene = dvrScene(ramp(), all[i], samples, hbSampling::Kind::planewise);
+      scene.clip = {{0.2, 0.1, 0.3}, {0.9, 0.7, 0.8}};
+      hbShearReference reference(grid, scene, 1);
+      const double perValue = glm::dot(reference.slopes(), glm::dvec3(3 * 0x1p-24));
+      expectNear(composited(grid, scene), hbRaycaster(grid, scene).render(), hbPlaneRays(grid, scene), perValue, seen,
+                 opaque);
+    }
+  EXPECT_GT(seen, 200);
+}
+
+// In 64 bits but for values, of a linear field, whose gradient is known. Some rays meet none of four planes.
+TEST(hbPlaneCompositor, LitIsPlanewiseRayCasting) {
+  const hbGeometry g = awkward();
+  const glm::dvec3 slopes(0.6, 1.0, 0.75);
+  const hbSparseGrid grid = gridOf(g, 2, {[&](const glm::dvec3& p) { return glm::dot(slopes, p); }});
+  const std::vector<hbCamera> all = cameras(g);
+  int seen = 0;
+  for (const hbCamera& camera : {all[6], all[18]}) // oblique; by perspective
+    for (const bool isPreintegrated : {false, true})
+      for (const bool isFaint : {false, true}) {
+        hbScene scene = dvrScene(ramp(4.0), camera, 4, hbSampling::Kind::planewise);
+        scene.preintegrated = isPreintegrated;
+        const hbPicture unlit = hbRaycaster(grid, scene).render();
+        scene.shading = placedLight(g, camera, slopes);
+        if (isFaint) scene.gradientOpacity = {0.1, 1.1};
+        const hbPlaneRays rays(grid, scene);
+        const hbLitBounds bounds(rays, slopes);
+        const double perValue = glm::dot(hbShearReference(grid, scene, 1).slopes(), glm::dvec3(3 * 0x1p-24)) +
+                                2.0 * hbTestSets::directBound(grid);
+        const hbPicture found = composited(grid, scene), expected = hbRaycaster(grid, scene).render();
+        const std::vector<float> opacities = channel(expected, "A");
+        for (std::size_t i = 0; i < opacities.size(); ++i) {
+          // Places and directions are in 64 bits.
+          const double moved = bounds.channel(i, perValue, 0.0, false) + 0x1p-22;
+          EXPECT_LT(moved, 0.01); // below what is counted as seen
+          for (const char* name : {"R", "G", "B", "A", "Y"})
+            EXPECT_NEAR(channel(found, name)[i], channel(expected, name)[i], moved) << name << i;
+          seen += std::abs(double(channel(unlit, "R")[i]) - double(channel(expected, "R")[i])) > 0.01;
+          const double whole = channel(unlit, "A")[i];
+          if (whole > 0.01) {
+            EXPECT_EQ(double(opacities[i]) < 0.95 * whole, isFaint) << i;
+          }
+        }
+      }
+  EXPECT_GT(seen, 250);
 }
 
 TEST(hbPlaneCompositor, RefusesWhatTheRayCasterDoes) {
