@@ -75,6 +75,7 @@ struct Frame {
   const hbField& field;
   const hbScene& scene;
   const hbCamera camera;
+  const hbCamera::Rays rays;
   const hbValueMap map;
   glm::dmat4 worldToCube;
   hbSampling::Extent extent;
@@ -87,9 +88,10 @@ struct Frame {
   const hbVisibleBlocks* blocks; ///< None: all may be seen.
 
   Frame(const hbField& f, const hbScene& s, const hbMatter* m, const hbVisibleBlocks* b, hbPicture& picture)
-      : field(f), scene(s), camera(*s.camera), map(f.valueMap()), worldToCube(glm::inverse(f.geometry().cubeToWorld())),
-        extent(hbSampling::extent(f.geometry(), camera)), step(s.sampling.stepLength(f.geometry(), camera)),
-        iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F), matter(m), blocks(b) {
+      : field(f), scene(s), camera(*s.camera), rays(camera), map(f.valueMap()),
+        worldToCube(glm::inverse(f.geometry().cubeToWorld())), extent(hbSampling::extent(f.geometry(), camera)),
+        step(s.sampling.stepLength(f.geometry(), camera)), iso(s.isoValue ? float(map.fromTrue(*s.isoValue)) : 0.0F),
+        matter(m), blocks(b) {
     y = &picture.add("Y");
     a = &picture.add("A");
     if (s.mode == hbMode::dvr) {
@@ -152,7 +154,7 @@ public:
   }
 
   void pixel(int px, int py) {
-    const hbRay ray = frame_.camera.ray(px + 0.5, py + 0.5, frame_.scene.width, frame_.scene.height);
+    const hbRay ray = frame_.rays.at(px + 0.5, py + 0.5, frame_.scene.width, frame_.scene.height);
     const auto segment = frame_.clip(ray);
     if (!segment) return;
     const std::size_t at = std::size_t(px) + std::size_t(frame_.scene.width) * std::size_t(py);

@@ -30,14 +30,27 @@ double halfHeightAtUnitDistance(double fieldOfView) { return std::tan(0.5 * glm:
 
 glm::dvec3 hbCamera::viewAxis() const { return glm::normalize(target - position); }
 
-hbRay hbCamera::ray(double px, double py, int pictureWidth, int pictureHeight) const {
-  const Axes axes = axesOf(*this);
+hbCamera::Rays::Rays(const hbCamera& camera)
+    : projection_(camera.projection), position_(camera.position),
+      scale_(projection_ == Projection::orthographic ? 0.5 * camera.height
+                                                     : halfHeightAtUnitDistance(camera.fieldOfView)) {
+  const Axes axes = axesOf(camera);
+  right_ = axes.right;
+  up_ = axes.up;
+  forward_ = axes.forward;
+}
+
+hbRay hbCamera::Rays::at(double px, double py, int width, int height) const {
   // Picture coordinates in halves of its height, from its centre, y upwards.
-  const double x = (2.0 * px - pictureWidth) / pictureHeight;
-  const double y = (pictureHeight - 2.0 * py) / pictureHeight;
-  const glm::dvec3 offset = x * axes.right + y * axes.up;
-  if (projection == Projection::orthographic) return {position + 0.5 * height * offset, axes.forward};
-  return {position, glm::normalize(axes.forward + halfHeightAtUnitDistance(fieldOfView) * offset)};
+  const double x = (2.0 * px - width) / height;
+  const double y = (height - 2.0 * py) / height;
+  const glm::dvec3 offset = scale_ * (x * right_ + y * up_);
+  if (projection_ == Projection::orthographic) return {position_ + offset, forward_};
+  return {position_, glm::normalize(forward_ + offset)};
+}
+
+hbRay hbCamera::ray(double px, double py, int pictureWidth, int pictureHeight) const {
+  return Rays(*this).at(px, py, pictureWidth, pictureHeight);
 }
 
 void hbCamera::validate(const std::string& what) const {

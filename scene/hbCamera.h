@@ -30,6 +30,19 @@ struct hbCamera {
   /// at `position`, orthographic ones on the plane through it. The camera must be valid.
   hbRay ray(double px, double py, int width, int height) const;
 
+  /// ray() for many rays: what all of them have in common is worked out once.
+  class Rays {
+  public:
+    explicit Rays(const hbCamera& camera);
+    hbRay at(double px, double py, int width, int height) const;
+
+  private:
+    Projection projection_;
+    glm::dvec3 position_, right_, up_,
+        forward_;  ///< The camera's axes in the world: right and up in the picture, into it.
+    double scale_; ///< Half the picture's height, in perspective at unit distance.
+  };
+
   /// The unit vector from `position` to `target`.
   glm::dvec3 viewAxis() const;
 
