@@ -1,6 +1,6 @@
 // VTK's volume mappers on the pictures of bench/dvr.cpp: the same samples, views, step and transfer functions. Items
-// are nominal samples a second of process CPU time. Debian's VTK needs an X server even off screen: xvfb-run
-// hbvol_bench_vtk.
+// are nominal samples a second of process CPU time. Debian's VTK needs an X server even off screen, one that does not
+// reset itself when a window goes: xvfb-run -s "-noreset -screen 0 1024x1024x24" hbvol_bench_vtk.
 //
 // The first frame, in which VTK prepares its tables, gradients and textures, is not counted. The mapper on the CPU has
 // no X-ray: its additive mode composites.
