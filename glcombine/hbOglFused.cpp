@@ -118,9 +118,13 @@ void hbOglFused::march(const hbOglRays& rays, const hbGlTarget& out) const {
   quad_.draw();
 }
 
-void hbOglFused::composite(const hbOglRays& rays, const hbOglMatter& matter, const hbGlTarget& out) const {
-  const hbGlProgram& program = prepared(composite_[matter.isPreintegrated() ? 1 : 0], matter.glsl() + kDvr, rays, out);
+void hbOglFused::composite(const hbOglRays& rays, const hbOglMatter& matter, const hbOglLight& light,
+                           const hbGlTarget& out) const {
+  const std::string shader = matter.glsl() + (matter.isLit() ? hbOglLight::glsl() : "") + kDvr;
+  const std::size_t kind = (matter.isPreintegrated() ? 1 : 0) + (matter.isLit() ? 2 : 0);
+  const hbGlProgram& program = prepared(composite_[kind], shader, rays, out);
   matter.set(program, 2);
+  if (matter.isLit()) light.set(program);
   quad_.draw();
 }
 

@@ -8,6 +8,7 @@
 
 #include "glcombine/hbGlQuad.h"
 #include "glcombine/hbGlTarget.h"
+#include "glcombine/hbOglLight.h"
 #include "glcombine/hbOglMatter.h"
 #include "glcombine/hbOglRays.h"
 #include "glcombine/hbOglValues.h"
@@ -29,8 +30,9 @@ public:
   void march(const hbOglRays& rays, const hbGlTarget& out) const;
 
   /// DVR: draws into `out`, of four channels, what hbPlaneRays::dvr() takes; 0 for rays that meet no plane. A ray ends
-  /// where nothing behind would show. `matter` is that of field values.
-  void composite(const hbOglRays& rays, const hbOglMatter& matter, const hbGlTarget& out) const;
+  /// where nothing behind would show. `matter` is that of field values; `light` is looked at where it is lit.
+  void composite(const hbOglRays& rays, const hbOglMatter& matter, const hbOglLight& light,
+                 const hbGlTarget& out) const;
 
   /// Draws into `out`, of four channels, for each pixel whose place in `places` (as march() draws it) is not
   /// hbOglRays::kNowhere the value there and its central differences in cube units as hbSurfaceShader takes them, 0
@@ -51,6 +53,6 @@ private:
   hbOglValues values_;
   hbGlQuad quad_;
   mutable std::array<std::unique_ptr<hbGlProgram>, 3> march_;     ///< One a mode.
-  mutable std::array<std::unique_ptr<hbGlProgram>, 2> composite_; ///< Of samples, of slabs.
+  mutable std::array<std::unique_ptr<hbGlProgram>, 4> composite_; ///< Of samples, of slabs; lit.
   mutable std::unique_ptr<hbGlProgram> differences_;
 };

@@ -43,7 +43,9 @@ float depthOf(float opacity) {{
 void show(inout vec4 seen, vec3 colour, float opacity) {{
   seen += (1.0 - seen.a) * opacity * vec4(colour, 1.0);
 }}
+void shine(inout vec3 colour, inout float depth, float place){}
 )";
+constexpr const char *kUnlit = " {}", *kLit = ";";
 
 // Behind the entries of the range there are those below, above and of NaN.
 constexpr const char* kSamples = R"(
@@ -65,7 +67,9 @@ vec4 matterAt(float number) {
 void addSample(inout vec4 seen, int plane, ivec2 planes, vec3 lengths, float before, float number) {
   float share = (plane == planes.x ? lengths.x : 0.5 * lengths.y) + (plane == planes.y ? lengths.z : 0.5 * lengths.y);
   vec4 matter = matterAt(number);
-  show(seen, matter.rgb, absorbed(matter.a * share));
+  float depth = matter.a * share;
+  shine(matter.rgb, depth, float(plane));
+  show(seen, matter.rgb, absorbed(depth));
 }
 )";
 
@@ -82,13 +86,20 @@ vec4 slabAt(float front, float back) {
   vec4 farther = mix(texelFetch(matterEntries, cell + ivec2(0, 1), 0), texelFetch(matterEntries, cell + 1, 0), t.x);
   return mix(nearer, farther, t.y);
 }
-void addSlab(inout vec4 seen, vec4 slab, float steps) {
-  if (slab.a > 0.0) show(seen, slab.rgb / slab.a, absorbed(steps * depthOf(slab.a)));
+void addSlab(inout vec4 seen, vec4 slab, float steps, float middle) {
+  if (slab.a > 0.0) {
+    vec3 colour = slab.rgb / slab.a;
+    float depth = steps * depthOf(slab.a);
+    shine(colour, depth, middle);
+    show(seen, colour, absorbed(depth));
+  }
 }
 void addSample(inout vec4 seen, int plane, ivec2 planes, vec3 lengths, float before, float number) {
   bool isFirst = plane == planes.x;
-  addSlab(seen, slabAt(isFirst ? number : before, number), isFirst ? lengths.x : lengths.y);
-  if (plane == planes.y && !isOpaque(seen)) addSlab(seen, slabAt(number, number), lengths.z);
+  float length = isFirst ? lengths.x : lengths.y;
+  addSlab(seen, slabAt(isFirst ? number : before, number), length, float(plane) - 0.5 * length / lengths.y);
+  if (plane == planes.y && !isOpaque(seen))
+    addSlab(seen, slabAt(number, number), lengths.z, float(plane) + 0.5 * lengths.z / lengths.y);
 }
 )";
 
@@ -101,8 +112,9 @@ float atMost(double number) { return -atLeast(-number); }
 
 } // namespace
 
-hbOglMatter::hbOglMatter(const hbGlFunctions& gl, const hbMatter& matter, const hbValueMap& numbers)
-    : glsl_(fmt::format(kLight, 1.0 - hbEmissionAbsorption::kOpaque) + (matter.isPreintegrated() ? kSlabs : kSamples)),
+hbOglMatter::hbOglMatter(const hbGlFunctions& gl, const hbMatter& matter, const hbValueMap& numbers, bool isLit)
+    : isLit_(isLit), glsl_(fmt::format(kLight, 1.0 - hbEmissionAbsorption::kOpaque, isLit ? kLit : kUnlit) +
+                           (matter.isPreintegrated() ? kSlabs : kSamples)),
       texture_(gl, matter.isPreintegrated() ? GL_TEXTURE_2D : GL_TEXTURE_BUFFER) {
   if (matter.isPreintegrated()) {
     const hbPreintegration& slabs = matter.slabs();

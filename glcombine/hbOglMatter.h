@@ -17,10 +17,12 @@
 /// The context must be current wherever it is used, its end included.
 class hbOglMatter {
 public:
-  /// Keeps a reference to `gl`. `numbers`: what the numbers that shaders see stand for as true values.
-  hbOglMatter(const hbGlFunctions& gl, const hbMatter& matter, const hbValueMap& numbers);
+  /// Keeps a reference to `gl`. `numbers`: what the numbers that shaders see stand for as true values. `isLit`: whether
+  /// pieces of matter are lit by hbOglLight::glsl(), which is to follow glsl(), or shown as they are.
+  hbOglMatter(const hbGlFunctions& gl, const hbMatter& matter, const hbValueMap& numbers, bool isLit = false);
 
   bool isPreintegrated() const { return !entries_; }
+  bool isLit() const { return isLit_; }
 
   /// GLSL (330) that declares
   ///   const float kOpaque: hbEmissionAbsorption's,
@@ -42,6 +44,7 @@ public:
 private:
   void setRange(std::pair<double, double> range, std::size_t entries, const hbValueMap& numbers);
 
+  bool isLit_;
   std::string glsl_;
   float low_ = 0.0F, high_ = 0.0F, perNumber_ = 0.0F; ///< Numbers of the first and the last entry, entries a number.
   std::optional<hbGlBuffer> entries_;

@@ -8,6 +8,7 @@
 #include "glcombine/hbGlContext.h"
 #include "glcombine/hbGlTarget.h"
 #include "glcombine/hbOglFused.h"
+#include "glcombine/hbOglLight.h"
 #include "glcombine/hbOglMatter.h"
 #include "glcombine/hbOglPlaneCompositor.h"
 #include "glcombine/hbOglRays.h"
@@ -44,12 +45,13 @@ struct hbOglRaycaster::Parts {
   std::optional<hbOglSurfaceShader> shader;
   std::optional<hbMatter> matter; ///< DVR, but where planes are read back.
   std::optional<hbOglMatter> deviceMatter;
+  hbOglLight light;
 
   Parts(const hbGlContext& c, const hbSparseGrid& g, const hbScene& asked, const Options& choice)
-      : context(c), gl(c.gl()), grid(g), scene(hbPlaneRays(g, asked).scene()), options(choice) {
+      : context(c), gl(c.gl()), grid(g), scene(hbPlaneRays(g, asked).scene()), options(choice), light(g, scene) {
     options.blend.memory = options.memory;
-    if (scene.mode == hbMode::dvr && hbLitPieces::areIn(scene) && !(options.form == Form::blend && options.readBack))
-      throw hbError("shading: expected planes that are read back, found a picture composited on the device");
+    if (isLit() && options.form == Form::blend && !options.readBack)
+      throw hbError("shading: expected planes that are read back or another form, found the form blend");
     const int most = mostTexels();
     if (std::max(scene.width, scene.height) > most)
       throw hbError(fmt::format("picture: expected sides of at most {} pixels on this device, found {} x {}", most,
@@ -69,6 +71,8 @@ struct hbOglRaycaster::Parts {
     if (scene.mode == hbMode::iso) shader.emplace(gl);
   }
 
+  bool isLit() const { return scene.mode == hbMode::dvr && hbLitPieces::areIn(scene); }
+
   /// DVR: for the scene's camera; what is known of the same step is kept.
   void classify() {
     const double step = scene.sampling.stepLength(grid.geometry(), *scene.camera);
@@ -77,7 +81,7 @@ struct hbOglRaycaster::Parts {
     matter.emplace(scene, grid.valueMap(), step);
     const double zero = blended ? blended->valueOf(0.0) : 0.0, one = blended ? blended->valueOf(1.0) : 1.0;
     const hbValueMap& map = matter->map();
-    deviceMatter.emplace(gl, *matter, hbValueMap{map.toTrue(zero), map.scale * (one - zero)});
+    deviceMatter.emplace(gl, *matter, hbValueMap{map.toTrue(zero), map.scale * (one - zero)}, isLit());
   }
 
   template <class Grid>
@@ -144,7 +148,7 @@ struct hbOglRaycaster::Parts {
     const hbOglRays deviceRays(gl, rays);
     progress.begin("casting rays", 1, "pictures");
     if (deviceMatter)
-      fused->composite(deviceRays, *deviceMatter, *marched);
+      fused->composite(deviceRays, *deviceMatter, light, *marched);
     else
       fused->march(deviceRays, *marched);
     hbPicture made = picture(deviceRays, *marched, 0.0, 1.0);

@@ -28,7 +28,8 @@ public:
   };
 
   /// Keeps references to `context`, which must be current as hbOglSparseGrid says, and to `grid`. Throws hbError as
-  /// hbPlaneRays and the forms do.
+  /// hbPlaneRays and the forms do, and where `blend` is to composite on the device what gradients light: its planes
+  /// have none.
   hbOglRaycaster(const hbGlContext& context, const hbSparseGrid& grid, const hbScene& scene, const Options& options);
   ~hbOglRaycaster();
 

@@ -34,6 +34,8 @@ public:
 
   /// Magnitude of a nodal value.
   double largest() const { return largest_; }
+  /// Of a coordinate in the cube.
+  double reach() const { return reach_; }
 
   /// From exact values, in 32-bit floats throughout. Values: as the combination engine's (18 roundings, see
   /// hbTestSets::combinationBound), with every addition in 32 bits, each of a partial sum up to the sum of the weights.

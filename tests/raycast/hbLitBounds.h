@@ -33,7 +33,7 @@ public:
     const glm::dvec3 gradient = toWorld * slopes;
     const double length = glm::length(gradient);
     // Central differences are of two values, a sample spacing apart at the least.
-    for (int d = 0; d < 3; ++d) perSlope_ += glm::length(toWorld[d]) * 2.0 / g.cubeSpacing()[d];
+    for (int d = 0; d < 3; ++d) perDifference_ += glm::length(toWorld[d]) / g.cubeSpacing()[d];
     if (scene.gradientOpacity) {
       const auto [lo, hi] = *scene.gradientOpacity;
       shown_ = (length - lo) / (hi - lo);
@@ -58,18 +58,15 @@ public:
     perDirection_ = (shading.diffuse + shading.shininess * shading.specular * 4.0 / half) * lights;
   }
 
-  /// Of a channel of this pixel, where values are off by `perValue` and directions by `perDirection`, and where light
-  /// is added up in 32 bits if that is so.
-  double channel(std::size_t pixel, double perValue, double perDirection, bool isInFloats) const {
-    const double slope = perSlope_ * perValue;
+  /// Of a channel of this pixel, where values are off by `perValue`, differences of two by `perDifference` and
+  /// directions by `perDirection`, and where light is added up in 32 bits if that is so.
+  double channel(std::size_t pixel, double perValue, double perDifference, double perDirection, bool isInFloats) const {
+    const double slope = perDifference_ * perDifference;
     // What is added of a piece's light, and so what is let through of that behind it, moves by as much of it as its
     // depth does of itself.
     const double opacity = 2.0 * brightest_ * slope * perShown_ / shown_;
     const double unlit = bounds_.channel(pixel, perValue) + (isInFloats ? bounds_.inFloats(pixel) : 0.0);
     return brightest_ * unlit + opacity + perNormal_ * slope * perTurn_ + perDirection_ * perDirection;
-  }
-  double ends(double opacity, double other, double tolerance) const {
-    return brightest_ * hbDvrBounds::ends(opacity, other, tolerance);
   }
 
 private:
@@ -96,7 +93,7 @@ private:
 
   const hbPlaneRays& rays_;
   hbDvrBounds bounds_;
-  double perSlope_ = 0.0; ///< Of the gradient, by a value.
+  double perDifference_ = 0.0; ///< Of the gradient.
   double shown_ = 1.0, perShown_ = 0.0;
   double brightest_ = 1.0;
   double perTurn_ = 0.0, perNormal_ = 0.0, perDirection_ = 0.0;

@@ -194,7 +194,7 @@ TEST(hbPlaneCompositor, LitIsPlanewiseRayCasting) {
         const std::vector<float> opacities = channel(expected, "A");
         for (std::size_t i = 0; i < opacities.size(); ++i) {
           // Places and directions are in 64 bits.
-          const double moved = bounds.channel(i, perValue, 0.0, false) + 0x1p-22;
+          const double moved = bounds.channel(i, perValue, 2.0 * perValue, 0.0, false) + 0x1p-22;
           EXPECT_LT(moved, 0.01); // below what is counted as seen
           for (const char* name : {"R", "G", "B", "A", "Y"})
             EXPECT_NEAR(channel(found, name)[i], channel(expected, name)[i], moved) << name << i;
