@@ -215,7 +215,9 @@ double hbOglRaycaster::bytes(const hbSparseGrid& grid, const hbScene& scene, con
   const hbIndexSet& set = grid.indexSet();
   // Rays and what was found; surfaces take places, normals and values more, and several lists of them; DVR four numbers
   // where X-ray has one.
-  const double perPixel = scene.mode == hbMode::iso ? 336.0 : scene.mode == hbMode::dvr ? 288.0 : 144.0;
+  double perPixel = scene.mode == hbMode::iso ? 336.0 : scene.mode == hbMode::dvr ? 288.0 : 144.0;
+  // Pieces of a plane that wait for their gradients, with six values each, in lists that may be half empty.
+  if (scene.mode == hbMode::dvr && hbLitPieces::areIn(scene) && options.form == Form::blend) perPixel += 416.0;
   const double matter = scene.mode == hbMode::dvr ? hbOglMatter::bytes(scene.preintegrated) : 0.0;
   const double pixels = perPixel * scene.width * scene.height + matter;
   if (options.form == Form::seminodal)

@@ -369,9 +369,11 @@ TEST_P(hbOglSceneTest, ClippedIsThePlanewisePicture) {
 TEST_P(hbOglSceneTest, LooksAreThoseOfANewOne) {
   const hbGeometry g = awkward();
   const hbSparseGrid grid = gridOf(g, 2, {waves});
-  const std::vector<hbCamera> some = someCameras(g);
+  const std::vector<hbCamera> some{cameras(g)[0], cameras(g)[18]};
+  const hbSampling sampling = planewise(hbMode::xray, some[0]).sampling;
+  EXPECT_NE(sampling.stepLength(g, some[0]), sampling.stepLength(g, some[1]));
   const bool isLit = GetParam().options.form != hbOglRaycaster::Form::blend || GetParam().options.readBack;
-  for (const hbMode mode : {hbMode::xray, hbMode::mip, hbMode::iso, hbMode::dvr}) {
+  for (const hbMode mode : {hbMode::xray, hbMode::iso, hbMode::dvr}) {
     hbScene scene = mode == hbMode::dvr ? dvrScene(ramp(), some[0], 9) : planewise(mode, some[0]);
     if (mode == hbMode::dvr && isLit) scene.shading.emplace();
     std::vector<hbPicture> pictures;
@@ -381,7 +383,7 @@ TEST_P(hbOglSceneTest, LooksAreThoseOfANewOne) {
     }
     EXPECT_NE(pictures[0].channels, pictures[1].channels);
     hbOglRaycaster caster(*context, grid, scene, GetParam().options);
-    for (const std::size_t i : {0, 1, 2, 0}) {
+    for (const std::size_t i : {0, 1}) { // it was made for the second
       caster.look(some[i]);
       const hbPicture picture = caster.render();
       EXPECT_EQ(picture.channels, pictures[i].channels);
@@ -447,10 +449,10 @@ TEST_P(hbOglLitTest, EverySceneShowsItself) {
   const hbGeometry g = awkward();
   const hbSparseGrid grid = gridOf(g, 2, {waves});
   hbScene scene = dvrScene(ramp(), hbCamera::framing(g), 9);
-  std::vector<hbScene> scenes(4, scene);
-  scenes[1].shading.emplace();
-  scenes[2].shading = placedLight(g, *scene.camera, kLitSlopes);
-  scenes[3].gradientOpacity = {0.0, 2.0};
+  std::vector<hbScene> scenes(3, scene);
+  scenes[1].shading = placedLight(g, *scene.camera, kLitSlopes);
+  scenes[2].shading.emplace();
+  scenes[2].gradientOpacity = {0.0, 2.0};
   std::vector<hbPicture> pictures;
   std::vector<std::unique_ptr<hbOglRaycaster>> casters;
   context->release();
@@ -462,7 +464,7 @@ TEST_P(hbOglLitTest, EverySceneShowsItself) {
   context->makeCurrent();
   for (const hbScene& one : scenes)
     casters.push_back(std::make_unique<hbOglRaycaster>(*context, grid, one, GetParam().options));
-  for (const std::size_t i : {1, 2, 0, 3, 2, 1, 3, 0}) {
+  for (const std::size_t i : {1, 2, 0, 2, 1, 0}) {
     EXPECT_EQ(casters[i]->render().channels, pictures[i].channels) << i;
     for (std::size_t k = 0; k < i; ++k) EXPECT_NE(pictures[k].channels, pictures[i].channels);
   }
@@ -521,9 +523,8 @@ INSTANTIATE_TEST_SUITE_P(OffScreen, hbOglDvrTest, testing::ValuesIn(someWays()),
                          [](const auto& way) { return way.param.name; });
 INSTANTIATE_TEST_SUITE_P(OffScreen, hbOglSceneTest,
                          testing::ValuesIn(waysNamed({"OsmesaBlend", "OsmesaBlendReadBack", "OsmesaFused",
-                                                      "OsmesaSeminodal", "EglSeminodal"})),
+                                                      "EglSeminodal"})),
                          [](const auto& way) { return way.param.name; });
 INSTANTIATE_TEST_SUITE_P(OffScreen, hbOglLitTest,
-                         testing::ValuesIn(waysNamed({"OsmesaBlendReadBack", "OsmesaFused", "OsmesaSeminodal",
-                                                      "EglSeminodal"})),
+                         testing::ValuesIn(waysNamed({"OsmesaBlendReadBack", "OsmesaFused", "EglSeminodal"})),
                          [](const auto& way) { return way.param.name; });
