@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "raycast/hbMatterRay.h"
 #include "raycast/hbShearWarp.h"
 #include "raycast/hbSurfaceShader.h"
 #include "scene/hbColorSpace.h"
@@ -40,11 +41,7 @@ double hbPixelWarp::bytes(const hbShearFactorisation& rays, hbMode mode) {
 template <class Blend, class Alone>
 void hbPixelWarp::blendPixels(const hbShearFactorisation& rays, Blend blend, Alone alone) const {
   hb::parallelFor((scene_.height + kRows - 1) / kRows, [&](std::int64_t task) {
-    struct Lonely {
-      std::size_t pixel;
-      double length;
-    };
-    std::vector<Lonely> lonely; // pixels without a ray around them that meets a slice
+    Lonely lonely;
     hbPointBatch middles;
     for (int y = int(task) * kRows; y < std::min(scene_.height, (int(task) + 1) * kRows); ++y)
       for (int x = 0; x < scene_.width; ++x) {
@@ -55,11 +52,14 @@ void hbPixelWarp::blendPixels(const hbShearFactorisation& rays, Blend blend, Alo
         const std::size_t pixel = std::size_t(x) + std::size_t(scene_.width) * std::size_t(y);
         const double length = (in->leave - in->enter) * rays_.stretch(px, py);
         if (blend(pixel, rays.neighbours(px, py), length)) continue;
-        lonely.push_back({pixel, length});
-        middles.add(rays_.origin(px, py) + 0.5 * (in->enter + in->leave) * rays_.direction(px, py));
+        lonely.pixels.push_back(pixel);
+        lonely.lengths.push_back(length);
+        lonely.middles.push_back(rays_.origin(px, py) + 0.5 * (in->enter + in->leave) * rays_.direction(px, py));
+        middles.add(lonely.middles.back());
       }
     middles.evaluate(field_, component_);
-    for (std::size_t i = 0; i < lonely.size(); ++i) alone(lonely[i].pixel, middles.value[i], lonely[i].length);
+    lonely.values.swap(middles.value);
+    alone(lonely);
   });
 }
 
@@ -81,7 +81,9 @@ void hbPixelWarp::values(const hbShearFactorisation& rays, std::span<const doubl
     if (weights > 0.0) put(pixel, sum / weights, length);
     return weights > 0.0;
   };
-  blendPixels(rays, blend, put);
+  blendPixels(rays, blend, [&](const Lonely& lonely) {
+    for (std::size_t i = 0; i < lonely.pixels.size(); ++i) put(lonely.pixels[i], lonely.values[i], lonely.lengths[i]);
+  });
 }
 
 void hbPixelWarp::light(const hbShearFactorisation& rays, std::span<const glm::vec4> image, const hbMatter& matter) {
@@ -101,11 +103,25 @@ void hbPixelWarp::light(const hbShearFactorisation& rays, std::span<const glm::v
     if (weights > 0.0) show(pixel, colour / weights, opacity / weights);
     return weights > 0.0;
   };
-  blendPixels(rays, blend, [&](std::size_t pixel, float value, double length) {
-    hbEmissionAbsorption seen;
-    matter.add(value, length, seen);
-    show(pixel, seen.colour(), seen.opacity());
-  });
+  blendPixels(rays, blend, [&](const Lonely& lonely) { showAlone(lonely, matter); });
+}
+
+void hbPixelWarp::showAlone(const Lonely& lonely, const hbMatter& matter) {
+  if (lonely.pixels.empty()) return;
+  hbScene scene = scene_;
+  scene.component = component_;
+  hbMatterRay ray(field_, scene, matter);
+  const auto width = std::size_t(scene_.width);
+  for (std::size_t i = 0; i < lonely.pixels.size(); ++i) {
+    const std::size_t pixel = lonely.pixels[i];
+    const float value = lonely.values[i];
+    const hbRay seen =
+        scene_.camera->ray(double(pixel % width) + 0.5, double(pixel / width) + 0.5, scene_.width, scene_.height);
+    ray.begin(seen, {lonely.middles[i], glm::dvec3(0.0), 0.0, lonely.lengths[i]});
+    ray.add(matter.isPreintegrated() ? matter.slab(value, value) : matter.at(value), lonely.lengths[i], 0.0);
+    const hbEmissionAbsorption& light = ray.finish();
+    show(pixel, light.colour(), light.opacity());
+  }
 }
 
 void hbPixelWarp::show(std::size_t pixel, const glm::dvec3& colour, double opacity) {

@@ -25,7 +25,7 @@ public:
 
   /// DVR: `image` holds, for each of the rays, the constant matter that shows what the ray does over its length in the
   /// cube (see hbEmissionAbsorption::matter()), its extinction NaN where the ray meets no slice. `matter` is what
-  /// values show where no ray does.
+  /// values show where no ray does, lit as the scene says.
   void light(const hbShearFactorisation& rays, std::span<const glm::vec4> image, const hbMatter& matter);
 
   /// What any of them takes at its peak, in bytes.
@@ -38,12 +38,19 @@ private:
     float value = 0.0F;
     glm::vec3 normal{0.0F};
   };
+  /// Pixels without a ray around them that meets a slice.
+  struct Lonely {
+    std::vector<std::size_t> pixels;
+    std::vector<double> lengths;
+    std::vector<glm::dvec3> middles;
+    std::vector<float> values; ///< The field's in the middles.
+  };
   /// Calls blend(pixel, neighbours, length) for every pixel whose ray meets the cube, `length` its way there in the
-  /// world, and alone(pixel, value, length), with the field's value in the middle of it, where blend() says that there
-  /// was nothing to blend.
+  /// world, and alone(lonely) with those where blend() says that there was nothing to blend, some at a time.
   template <class Blend, class Alone>
   void blendPixels(const hbShearFactorisation& rays, Blend blend, Alone alone) const;
   std::vector<Hit> shade(const hbShearFactorisation& rays, std::span<const double> crossings) const;
+  void showAlone(const Lonely& lonely, const hbMatter& matter);
   void show(std::size_t pixel, const glm::dvec3& colour, double opacity);
   void put(int x, int y, const hbShearFactorisation& rays, std::span<const Hit> hits);
 

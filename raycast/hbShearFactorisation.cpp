@@ -73,7 +73,7 @@ void hbShearFactorisation::placeSlices(const hbScene& scene, const hbGeometry& g
   while (firstSlice_ < endSlice_ && !isShown(endSlice_ - 1)) --endSlice_;
 }
 
-hbShearFactorisation::Slice hbShearFactorisation::slice(int n) const {
+hbShearFactorisation::Slice hbShearFactorisation::slice(double n) const {
   const double w = (sign_ > 0.0 ? n + 0.5 : slices_ - n - 0.5) / slices_;
   if (perspective_) return {w, eye_[order_.fast], eye_[order_.row], std::abs(w - eye_[order_.plane])};
   return {w, (w - 0.5) * slope_.x, (w - 0.5) * slope_.y, 1.0};

@@ -63,7 +63,7 @@ public:
   int slices() const { return slices_; }
   int firstSlice() const { return firstSlice_; }
   int endSlice() const { return endSlice_; }
-  Slice slice(int n) const;
+  Slice slice(double n) const; ///< And between two, and beside them.
   /// What a slice differs by from the one before it.
   Slice changeOfSlice() const;
   /// Among the slices: the box's front and back face; half a slab before the first and behind the last one of a cube.

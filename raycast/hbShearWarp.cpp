@@ -41,8 +41,7 @@ struct hbShearWarp::Parts {
     return {factorisations[i], source(i), scene.mode, iso, memory};
   }
   hbSliceLight light(std::size_t i) {
-    const glm::dmat3 toWorld(points->geometry().cubeToWorld());
-    return {factorisations[i], source(i), *matter, *visibility, toWorld, memoryOfLight};
+    return {factorisations[i], source(i), *matter, *visibility, points->geometry(), scene, memoryOfLight};
   }
   std::shared_ptr<const Evaluators> evaluatorsOf(const hbShearFactorisation& one) {
     if (one.isEmpty()) return std::make_shared<const Evaluators>();
@@ -84,8 +83,6 @@ hbShearWarp::hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const O
   if (with.magnitude) ofComponent.component = 0;
   hb::checkScene(ofComponent, grid);
   if (with.mode == hbMode::slice) throw hbError("slice: expected an engine of the ray caster, found one of slices");
-  if (with.mode == hbMode::dvr && (with.shading || with.gradientOpacity))
-    throw hbError("shading: expected an engine of the ray caster, found one of slices");
   if (options.supersample < 1 || options.supersample > kMostSupersample)
     throw hbError(fmt::format("supersample: expected 1 to {}, found {}", kMostSupersample, options.supersample));
 

@@ -25,8 +25,8 @@ public:
 
   /// Keeps a reference to `grid`; the surpluses are copied in another order where the main direction needs it (4 bytes
   /// a value, with `scene.magnitude` of all components), and the mode iso builds an hbSemiNodalGrid for shading, where
-  /// it fits, the mode dvr an hbMatter. Throws hbError as hbRaycaster does, for the mode slice, for `scene.shading` or
-  /// `gradientOpacity`, and for another supersampling.
+  /// it fits, the mode dvr an hbMatter. Throws hbError as hbRaycaster does, for the mode slice, and for another
+  /// supersampling.
   hbShearWarp(const hbSparseGrid& grid, const hbScene& scene, const Options& options);
   ~hbShearWarp();
 
@@ -43,7 +43,8 @@ public:
   /// linearly interpolated, shaded at the intermediate rays; a pixel shows the surface where at least half of what lies
   /// around it does, and blends only rays that meet it about as deep (see kSameSurface). DVR: colours and opacities of
   /// the intermediate rays around a pixel's, each as constant matter that shows the same, but as long as the pixel's
-  /// own ray. With `scene.clip` "volume" means its box in all of this; slices lie where they do without.
+  /// own ray; lit as hbSliceLight says where `scene.shading` or `gradientOpacity` are there. With `scene.clip` "volume"
+  /// means its box in all of this; slices lie where they do without.
   ///
   /// The picture does not depend on the number of threads. Throws hbCancelled.
   hbPicture render(hbProgress& progress = hbProgress::none()) const;

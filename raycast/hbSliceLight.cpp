@@ -16,10 +16,12 @@ constexpr int kTogether = 64; // rays that are looked at for whether anything sh
 } // namespace
 
 hbSliceLight::hbSliceLight(const hbShearFactorisation& rays, const hbSliceSampler::Source& source,
-                           const hbMatter& matter, const hbVisibility& visibility, const glm::dmat3& toWorld,
-                           Memory& memory)
+                           const hbMatter& matter, const hbVisibility& visibility, const hbGeometry& geometry,
+                           const hbScene& scene, Memory& memory)
     : rays_(rays), sampler_(rays, source), chords_(rays), tasks_(rays), matter_(matter), visibility_(visibility),
-      memory_(memory) {
+      scene_(scene), gradients_(rays, sampler_, geometry), cubeToWorld_(geometry.cubeToWorld()),
+      isLit_(scene.shading || scene.gradientOpacity), memory_(memory) {
+  const glm::dmat3 toWorld(cubeToWorld_);
   const hbShearFactorisation::Slice change = rays.changeOfSlice();
   way_ = toWorld * rays.point(change, 0.0, 0.0);
   wayOfA_ = toWorld * rays.point(change, 1.0, 0.0) - way_;
@@ -27,7 +29,8 @@ hbSliceLight::hbSliceLight(const hbShearFactorisation& rays, const hbSliceSample
 }
 
 double hbSliceLight::bytes() const {
-  const double ofThread = tasks_.raysAPiece() * 2 * sizeof(float) + sampler_.bytes();
+  const double lit = isLit_ ? hbSliceGradients::bytes(tasks_.raysAPiece()) + sampler_.bytes() : 0.0;
+  const double ofThread = tasks_.raysAPiece() * 2 * sizeof(float) + sampler_.bytes() + lit;
   return double(sizeof(glm::vec4) + sizeof(float)) * rays_.u().count * rays_.v().count +
          double(sizeof(hbEmissionAbsorption)) * tasks_.raysAtOnce() + hb::parallelThreads() * ofThread;
 }
@@ -46,6 +49,7 @@ std::vector<float> hbSliceLight::slabs() const {
 void hbSliceLight::composite(const Piece& piece, std::span<const float> slabs, Part& part, hbProgress& progress) const {
   const hbPool<Scratch>::Lease scratch(memory_.scratch);
   scratch->sampler.restart();
+  scratch->gradients.restart();
   const auto stride = std::size_t(rays_.u().count);
   const std::size_t size = stride * std::size_t(piece.v1 - piece.v0);
   for (std::vector<float>* slice : {&scratch->before, &scratch->now})
@@ -67,24 +71,70 @@ void hbSliceLight::composite(const Piece& piece, std::span<const float> slabs, P
 }
 
 void hbSliceLight::addSlice(int n, const Rectangle& r, const Piece& piece, std::span<const float> slabs,
-                            const Scratch& scratch, Part& part) const {
+                            Scratch& scratch, Part& part) const {
   const Rectangle inner = sampler_.inner(n, r);
-  for (int j = r.v0; j < r.v1; ++j) {
-    const auto stride = std::size_t(rays_.u().count);
-    const std::size_t at = stride * std::size_t(j - piece.v0);
-    const Row row{n,
-                  j,
-                  scratch.before.data() + at,
-                  scratch.now.data() + at,
-                  slabs.data() + stride * std::size_t(j),
-                  part.light.data() + at};
+  const Rectangle shown = isLit_ ? litRows(n, r, piece, slabs, scratch, part) : r;
+  if (isLit_ && !shown.isEmpty()) gradients_.evaluate(litAt(n), shown, scratch.gradients);
+  part.isEmpty = false;
+  for (int j = shown.v0; j < shown.v1; ++j) {
+    Row row = rowOf(n, j, piece, slabs, scratch, part);
+    if (isLit_) {
+      row.gradients = &scratch.gradients;
+      row.at = std::size_t(rays_.u().count) * std::size_t(j - shown.v0);
+      row.u0 = shown.u0;
+    }
     const bool isInner = j >= inner.v0 && j < inner.v1;
     const int u0 = isInner ? inner.u0 : r.u1, u1 = isInner ? inner.u1 : r.u1;
     addEnds(row, r.u0, u0);
     addInner(row, u0, u1);
     addEnds(row, u1, r.u1);
   }
-  part.isEmpty = false;
+}
+
+hbSliceLight::Row hbSliceLight::rowOf(int n, int j, const Piece& piece, std::span<const float> slabs,
+                                      const Scratch& scratch, Part& part) const {
+  const auto stride = std::size_t(rays_.u().count);
+  const std::size_t at = stride * std::size_t(j - piece.v0);
+  Row row;
+  row.n = n;
+  row.j = j;
+  row.before = scratch.before.data() + at;
+  row.now = scratch.now.data() + at;
+  row.slabs = slabs.data() + stride * std::size_t(j);
+  row.light = part.light.data() + at;
+  return row;
+}
+
+hbSliceLight::Rectangle hbSliceLight::litRows(int n, const Rectangle& r, const Piece& piece,
+                                              std::span<const float> slabs, const Scratch& scratch, Part& part) const {
+  Rectangle lit{r.u0, r.u1, r.v1, r.v0};
+  for (int j = r.v0; j < r.v1; ++j) {
+    const Row row = rowOf(n, j, piece, slabs, scratch, part);
+    bool shows = false;
+    for (int from = r.u0; from < r.u1 && !shows; from += kTogether) {
+      const int to = std::min(r.u1, from + kTogether);
+      shows = !isInvisible(row, from, to) &&
+              std::any_of(row.light + from, row.light + to,
+                          [](const hbEmissionAbsorption& light) { return !(light.transmittance() < kOpaque); });
+    }
+    if (!shows) continue;
+    lit.v0 = std::min(lit.v0, j);
+    lit.v1 = j + 1;
+  }
+  return lit;
+}
+
+void hbSliceLight::addLit(const Row& row, int i, const glm::vec4& piece, double length) const {
+  const glm::dvec3 gradient = gradients_.at(*row.gradients, row.at + std::size_t(i - row.u0));
+  if (scene_.gradientOpacity) length *= matter_.shownBy(glm::length(gradient));
+  hbShading::Reflection reflection;
+  if (scene_.shading) {
+    const double a = rays_.u().at(i), b = rays_.v().at(row.j);
+    const glm::dvec3 place = rays_.point(rays_.slice(litAt(row.n)), a, b), way = way_ + a * wayOfA_ + b * wayOfB_;
+    reflection =
+        scene_.shading->reflection(glm::dvec3(cubeToWorld_ * glm::dvec4(place, 1.0)), glm::normalize(way), gradient);
+  }
+  compose(piece, length, reflection, row.light[i]);
 }
 
 bool hbSliceLight::isInvisible(const Row& row, int u0, int u1) const {
@@ -116,10 +166,8 @@ void hbSliceLight::addInner(const Row& row, int u0, int u1) const {
     if (isInvisible(row, from, to)) continue;
     for (int i = from; i < to; ++i) {
       if (row.light[i].transmittance() < kOpaque) continue;
-      if (matter_.isPreintegrated())
-        matter_.addSlab(row.before[i], row.now[i], row.slabs[i], row.light[i]);
-      else
-        matter_.add(row.now[i], row.slabs[i], row.light[i]);
+      add(row, i, matter_.isPreintegrated() ? matter_.slab(row.before[i], row.now[i]) : matter_.at(row.now[i]),
+          row.slabs[i]);
     }
   }
 }
@@ -130,14 +178,14 @@ void hbSliceLight::addEnds(const Row& row, int u0, int u1) const {
     // Behind the camera's plane, or opaque.
     if (row.n < chord.first || row.n > chord.last || row.light[i].transmittance() < kOpaque) continue;
     if (!matter_.isPreintegrated()) {
-      matter_.add(row.now[i], chord.weight(row.n) * row.slabs[i], row.light[i]);
+      add(row, i, matter_.at(row.now[i]), chord.weight(row.n) * row.slabs[i]);
       continue;
     }
     if (row.n == chord.first)
-      matter_.add(row.now[i], chord.before * row.slabs[i], row.light[i]);
+      add(row, i, matter_.slab(row.now[i], row.now[i]), chord.before * row.slabs[i]);
     else
-      matter_.addSlab(row.before[i], row.now[i], row.slabs[i], row.light[i]);
-    if (row.n == chord.last) matter_.add(row.now[i], chord.after * row.slabs[i], row.light[i]);
+      add(row, i, matter_.slab(row.before[i], row.now[i]), row.slabs[i]);
+    if (row.n == chord.last) add(row, i, matter_.slab(row.now[i], row.now[i]), chord.after * row.slabs[i]);
   }
 }
 

@@ -22,30 +22,34 @@ void hbSliceSampler::sample(int n, const Rectangle& r, Scratch& scratch, float h
   scratch.vs.resize(std::size_t(r.v1 - r.v0));
   for (int i = r.u0; i < r.u1; ++i) scratch.us[std::size_t(i - r.u0)] = slice.offsetU + slice.scale * rays_.u().at(i);
   for (int j = r.v0; j < r.v1; ++j) scratch.vs[std::size_t(j - r.v0)] = slice.offsetV + slice.scale * rays_.v().at(j);
-  // Along an axis all slices are sampled at the same places.
-  if (scratch.us != scratch.usBefore || scratch.vs != scratch.vsBefore) {
-    scratch.plan.emplace(source_.components.front().plan(scratch.us, scratch.vs));
-    scratch.us.swap(scratch.usBefore);
-    scratch.vs.swap(scratch.vsBefore);
-  }
-  const auto stride = std::size_t(rays_.u().count);
-  if (source_.magnitude)
-    lengths(slice.w, scratch, out);
-  else
-    source_.components.front().plane(*scratch.plan, slice.w, scratch.workspace, out, stride);
+  evaluate(scratch.us, scratch.vs, slice.w, scratch.lattice, scratch, out);
   if (!rays_.isPartlyBehind()) return;
   for (int j = r.v0; j < r.v1; ++j)
     for (int i = r.u0; i < r.u1; ++i)
       if (n < rays_.placeInFront(rays_.u().at(i), rays_.v().at(j)))
-        out[std::size_t(i - r.u0) + stride * std::size_t(j - r.v0)] = hidden;
+        out[std::size_t(i - r.u0) + std::size_t(rays_.u().count) * std::size_t(j - r.v0)] = hidden;
 }
 
-void hbSliceSampler::lengths(double w, Scratch& scratch, float* out) const {
-  const std::size_t columns = scratch.usBefore.size(), rows = scratch.vsBefore.size();
+void hbSliceSampler::evaluate(std::span<const double> us, std::span<const double> vs, double w, Lattice& lattice,
+                              Scratch& scratch, float* out) const {
+  // Along an axis all slices are sampled at the same places.
+  if (!std::ranges::equal(us, lattice.us) || !std::ranges::equal(vs, lattice.vs)) {
+    lattice.plan.emplace(source_.components.front().plan(us, vs));
+    lattice.us.assign(us.begin(), us.end());
+    lattice.vs.assign(vs.begin(), vs.end());
+  }
+  if (source_.magnitude)
+    lengths(w, lattice, scratch, out);
+  else
+    source_.components.front().plane(*lattice.plan, w, scratch.workspace, out, std::size_t(rays_.u().count));
+}
+
+void hbSliceSampler::lengths(double w, const Lattice& lattice, Scratch& scratch, float* out) const {
+  const std::size_t columns = lattice.us.size(), rows = lattice.vs.size();
   scratch.squares.assign(columns * rows, 0.0);
   scratch.component.resize(columns * rows);
   for (const hbLatticeEvaluator& evaluator : source_.components) {
-    evaluator.plane(*scratch.plan, w, scratch.workspace, scratch.component.data(), columns);
+    evaluator.plane(*lattice.plan, w, scratch.workspace, scratch.component.data(), columns);
     for (std::size_t k = 0; k < scratch.squares.size(); ++k) {
       const double value = source_.map.toTrue(scratch.component[k]);
       scratch.squares[k] += value * value;

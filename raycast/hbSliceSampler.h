@@ -32,14 +32,22 @@ public:
     }
   };
 
-  /// Memory that sample() uses again and again; one a thread, to be restarted for every frame.
+  /// A lattice of samples that was prepared before, of one source.
+  struct Lattice {
+    std::optional<hbLatticePlan> plan;
+    std::vector<double> us, vs;
+
+    void restart() { us.clear(); }
+  };
+
+  /// Memory that is used again and again; one a thread, to be restarted for every frame.
   struct Scratch {
     hbLatticeWorkspace workspace;
-    std::optional<hbLatticePlan> plan;
-    std::vector<double> us, vs, usBefore, vsBefore, squares;
+    Lattice lattice;
+    std::vector<double> us, vs, squares;
     std::vector<float> component;
 
-    void restart() { usBefore.clear(); }
+    void restart() { lattice.restart(); }
   };
 
   /// Keeps references to `rays` and what `source` refers to.
@@ -56,11 +64,16 @@ public:
   /// where that lies behind the camera's plane.
   void sample(int n, const Rectangle& r, Scratch& scratch, float hidden, float* out) const;
 
+  /// out[i + rays.u().count j] = the value at us[i], vs[j] and w of the cube. `lattice` is what was prepared before,
+  /// and is prepared anew where places have changed.
+  void evaluate(std::span<const double> us, std::span<const double> vs, double w, Lattice& lattice, Scratch& scratch,
+                float* out) const;
+
   /// What sample() needs of the scratch at most, in bytes, a band's rays apart.
   double bytes() const { return source_.components.empty() ? 0.0 : source_.components[0].bytes(rays_.u().count); }
 
 private:
-  void lengths(double w, Scratch& scratch, float* out) const;
+  void lengths(double w, const Lattice& lattice, Scratch& scratch, float* out) const;
 
   const hbShearFactorisation& rays_;
   Source source_;

@@ -13,6 +13,7 @@
 #include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 #include "volume/hbError.h"
+#include "volume/hbMagnitudeField.h"
 
 using namespace hbTestScenes;
 
@@ -462,10 +463,11 @@ TEST(hbShearWarpDvr, EveryTransferFunctionShowsItself) {
 
 TEST(hbShearWarpDvr, ThePictureDoesNotDependOnTheNumberOfThreads) {
   const hbSparseGrid grid = gridOf(box({5, 5, 5}, {1.0, 1.0, 1.0}), 2, {waves});
-  for (const bool isPreintegrated : {false, true}) {
+  for (const auto& [isPreintegrated, isLit] : {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
     // More rays than a round of bands has, more slices than a chunk.
     hbScene scene = dvrScene(ramp(), hbCamera::framing(grid.geometry(), 30.0, 20.0), 20);
     scene.preintegrated = isPreintegrated;
+    if (isLit) scene.shading.emplace();
     scene.width = 190;
     scene.height = 180;
     std::map<std::string, std::vector<float>> first;
@@ -478,6 +480,129 @@ TEST(hbShearWarpDvr, ThePictureDoesNotDependOnTheNumberOfThreads) {
   }
 }
 
+// A linear field has one gradient, one-sided at the faces, too: light alone changes along a ray. With parallel rays
+// that see light from far away even that is one number, and lit fog is the fog times it.
+TEST(hbShearWarpDvr, ALinearFieldIsLitAsItsGradientSays) {
+  const glm::dvec3 ofCube(0.2, -0.15, 0.1);
+  const auto linear = [&](const glm::dvec3& p) { return 0.4 + glm::dot(ofCube, p); };
+  hbShading shading;
+  shading.lights = {{glm::dvec3(3e6, -4e6, 2e6), glm::dvec3(0.9, 0.8, 0.7)}};
+  for (const hbGeometry& g : {box({9, 9, 9}, {1.0, 1.0, 1.0}), awkward()}) {
+    const hbSparseGrid grid = gridOf(g, 3, {linear});
+    const glm::dvec3 gradient = glm::transpose(glm::inverse(glm::dmat3(g.cubeToWorld()))) * ofCube;
+    const std::vector<hbCamera> list = cameras(g);
+    for (const std::size_t k : {0U, 4U, 6U, 8U}) // orthographic
+      for (const bool isPreintegrated : {false, true})
+        for (const std::size_t clip : {0U, 1U, 2U}) {
+          if (isPreintegrated && !(isOblique(k) && clip == 1)) continue; // tables of slabs take time
+          hbScene scene = dvrScene(fog(0.3, 0.7), list[k], 20);
+          scene.preintegrated = isPreintegrated;
+          scene.clip = clipBoxes()[clip];
+          const hbPicture plain = draw(grid, scene);
+          scene.shading = shading;
+          const hbPicture lit = draw(grid, scene);
+          EXPECT_EQ(channel(lit, "A"), channel(plain, "A"));
+          const hbShading::Reflection reflection = shading.reflection(
+              glm::dvec3(g.cubeToWorld() * glm::dvec4(0.5, 0.5, 0.5, 1.0)), list[k].viewAxis(), gradient);
+          // A slope is off by two values' roundings over at least one spacing: 16 times as much, and of the world by
+          // the steepest row of the map, 1 / 1.5; over the gradient's length the normal is. Light turns with the
+          // normal, gloss by its exponent; the volume's own size changes the light's direction by 3 / 5e6.
+          const double rounding = hbShearReference(grid, scene).rounding();
+          const double turned = 16.0 * 2.0 * rounding / glm::length(gradient) + 1e-6;
+          const double tolerance = (1.0 + shading.diffuse + shading.specular * shading.shininess) * turned + 0x1p-22;
+          int seen = 0;
+          for (std::size_t i = 0; i < channel(plain, "A").size(); ++i)
+            for (int c = 0; c < 3; ++c) {
+              const double colour = channel(plain, kChannels[std::size_t(c)])[i], opacity = channel(plain, "A")[i];
+              ASSERT_NEAR(channel(lit, kChannels[std::size_t(c)])[i],
+                          colour * reflection.matter[c] + opacity * reflection.gloss[c], tolerance)
+                  << k << " " << isPreintegrated << " " << clip;
+              seen += opacity > 0.1;
+            }
+          EXPECT_GT(seen, clip == 2 ? -1 : 3 * 10);
+        }
+  }
+}
+
+// Half-way up the ramp of opacities half of the extinction is left, of a linear field everywhere.
+TEST(hbShearWarpDvr, GradientOpacityTakesExtinctionAway) {
+  const hbGeometry g = box({9, 9, 9}, {1.0, 2.0, 1.0});
+  const hbSparseGrid grid = gridOf(g, 3, {[](const glm::dvec3& p) { return 0.25 + 0.5 * p.x; }});
+  for (const bool isPreintegrated : {false, true}) {
+    hbScene scene = dvrScene(fog(0.3, 0.7), hbCamera::framing(g, 30.0, 20.0), 20);
+    scene.preintegrated = isPreintegrated;
+    const std::vector<float> plain = channel(draw(grid, scene), "A");
+    scene.gradientOpacity = {{0.25, 0.75}};
+    const std::vector<float> half = channel(draw(grid, scene), "A");
+    scene.gradientOpacity = {{0.6, 0.75}};
+    for (const float a : channel(draw(grid, scene), "A")) EXPECT_EQ(a, 0.0F);
+    // Two values' roundings over two spacings of 1/8 (at a face one), over the ramp's 1/2: extinction changes by 32 of
+    // them, depths (below 2) by twice as much.
+    const double tolerance = 2.0 * 32.0 * hbShearReference(grid, scene).rounding() + 0x1p-22;
+    for (std::size_t i = 0; i < plain.size(); ++i)
+      EXPECT_NEAR(half[i], 1.0 - std::sqrt(1.0 - double(plain[i])), tolerance);
+  }
+}
+
+// Lit pieces of rays are those of ray casting: with rays and slices as close as its own the difference goes down.
+TEST(hbShearWarpDvr, LitPicturesConvergeToRayCasting) {
+  const auto other = [](const glm::dvec3& p) { return 0.5 - p.x * p.y; };
+  const hbSparseGrid grid = gridOf(awkward(), 4, {waves, other});
+  for (const auto& [projection, isPreintegrated] :
+       {std::pair(Projection::orthographic, true), {Projection::perspective, false}}) {
+    hbScene scene = dvrScene(ramp(2.0), hbCamera::framing(awkward(), 35.0, 20.0, projection), 320);
+    scene.width = scene.height = 24;
+    scene.preintegrated = isPreintegrated;
+    scene.shading.emplace();
+    scene.gradientOpacity = {{0.2, 2.0}};
+    scene.clip = {{0.1, 0.0, 0.2}, {1.0, 0.8, 0.9}};
+    const hbPicture cast = hbRaycaster(grid, scene).render();
+    hbScene unlit = scene;
+    unlit.shading.reset();
+    unlit.gradientOpacity.reset();
+    const double ofLight = Difference(hbRaycaster(grid, unlit).render(), cast).rms;
+    const auto error = [&](int supersample) {
+      scene.sampling.samples = 40 * supersample;
+      return Difference(draw(grid, scene, supersample), cast).rms;
+    };
+    // Of the first order at least, and a small part of what light is.
+    EXPECT_LT(error(4), 0.25 * error(1));
+    EXPECT_LT(error(4), 0.1 * ofLight);
+  }
+}
+
+// Along an axis slices are the planes of planewise ray casting, and pixels have rays of their own.
+TEST(hbShearWarpDvr, LitAlongAnAxisItIsPlanewiseRayCasting) {
+  const hbGeometry g = box({9, 9, 9}, {1.0, 1.0, 1.0});
+  const auto other = [](const glm::dvec3& p) { return 0.5 - p.x * p.y; };
+  const hbSparseGrid grid = gridOf(g, 3, {waves, other});
+  for (const double azimuth : {0.0, 90.0})
+    for (const bool isMagnitude : {false, true}) {
+      hbScene scene = dvrScene(ramp(0.5), hbCamera::framing(g, azimuth, 0.0, Projection::orthographic), 20,
+                               hbSampling::Kind::planewise);
+      scene.shading.emplace();
+      scene.gradientOpacity = {{0.2, 2.0}};
+      scene.magnitude = isMagnitude;
+      const hbPicture lit = draw(grid, scene);
+      const auto field = std::shared_ptr<const hbField>(std::shared_ptr<const hbField>(), &grid);
+      const hbMagnitudeField length(field);
+      scene.magnitude = false;
+      const hbPicture cast = isMagnitude ? hbRaycaster(length, scene).render() : hbRaycaster(grid, scene).render();
+      // Slopes are off by 16 values' roundings, two over a spacing; the caster's places are rounded, too. Gradients
+      // below 0.2 show nothing, so that the normal turns by no more than that over 0.2, and light, at most 1.3, by 0.8
+      // and 0.2 times 24 of it. Extinctions are at most ln(10) / 0.5, and change by a 1.8th over the ramp of gradients;
+      // the way is 1. Rays end where nearly nothing is seen any more.
+      const hbShearReference reference(grid, scene);
+      const double rounding =
+          reference.rounding() + hbTestSets::directBound(grid) + glm::dot(reference.slopes(), glm::dvec3(0x1p-24));
+      const Slopes slopes(*scene.transfer);
+      const double ofSlopes = 16.0 * rounding * ((0.8 + 0.2 * 24.0) / 0.2 + 1.3 * std::log(10.0) / 0.5 / 1.8);
+      const double tolerance = ofSlopes + 1.3 * rounding * (slopes.colour + slopes.extinction) +
+                               1.3 * hbEmissionAbsorption::kOpaque + 0x1p-22;
+      EXPECT_LE(Difference(lit, cast).greatest, tolerance) << azimuth << " " << isMagnitude;
+    }
+}
+
 TEST(hbShearWarpDvr, SaysWhatItTakes) {
   const hbSparseGrid grid = gridOf(box({9, 9, 9}, {1.0, 1.0, 1.0}), 3, {waves});
   hbScene scene = dvrScene(ramp(), hbCamera::framing(grid.geometry()), 20);
@@ -485,8 +610,23 @@ TEST(hbShearWarpDvr, SaysWhatItTakes) {
   // A table, and at least the rays and one chunk of them; pre-integrated, a table of pairs.
   EXPECT_GE(samples, 16.0 * hbTransferTable::kDefaultEntries + (16.0 + 32.0) * 19 * 13);
   scene.preintegrated = true;
-  EXPECT_GE(hbShearWarp(grid, scene, {}).bytes() - samples,
-            16.0 * (1024.0 * 1024.0 - hbTransferTable::kDefaultEntries));
+  const double slabs = hbShearWarp(grid, scene, {}).bytes();
+  EXPECT_GE(slabs - samples, 16.0 * (1024.0 * 1024.0 - hbTransferTable::kDefaultEntries));
+  scene.shading.emplace();
+  EXPECT_GT(hbShearWarp(grid, scene, {}).bytes(), slabs); // slopes
+}
+
+// Nothing is left of where it was seen from before.
+TEST(hbShearWarpDvr, LitPicturesLookFromElsewhere) {
+  const hbSparseGrid grid = gridOf(awkward(), 3, {waves});
+  hbScene scene = dvrScene(ramp(0.5), cameras(awkward()).front(), 20);
+  scene.shading.emplace();
+  hbShearWarp moved(grid, scene, {1});
+  for (const hbCamera& camera : cameras(awkward())) {
+    moved.look(camera);
+    scene.camera = camera;
+    EXPECT_EQ(moved.render().channels, draw(grid, scene).channels);
+  }
 }
 
 TEST(hbShearWarpDvr, SeesNothingWhereThereIsNothing) {
