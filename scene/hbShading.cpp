@@ -15,6 +15,15 @@ glm::dvec3 unit(const glm::dvec3& v) {
   return length > 0.0 ? v / length : v;
 }
 
+/// Of a base from 0 on. Whole exponents take a few products, others many times as long.
+double power(double base, double exponent) {
+  if (exponent != std::floor(exponent)) return std::pow(base, exponent);
+  double result = 1.0;
+  for (auto left = unsigned(exponent); left > 0; left /= 2, base *= base)
+    if (left % 2 == 1) result *= base;
+  return result;
+}
+
 } // namespace
 
 hbShading::Reflection hbShading::reflection(const glm::dvec3& place, const glm::dvec3& ray,
@@ -32,7 +41,7 @@ hbShading::Reflection hbShading::reflection(const glm::dvec3& place, const glm::
     const double cosine = glm::dot(normal, towards);
     if (!(cosine > 0.0)) return;
     sum.matter += diffuse * cosine * colour;
-    sum.gloss += specular * std::pow(std::max(0.0, glm::dot(normal, unit(towards - ray))), shininess) * colour;
+    sum.gloss += specular * power(std::max(0.0, glm::dot(normal, unit(towards - ray))), shininess) * colour;
   };
   if (lights.empty()) shine(-ray, glm::dvec3(1.0));
   for (const Light& light : lights) shine(unit(light.position - place), light.colour);

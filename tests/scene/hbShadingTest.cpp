@@ -40,6 +40,16 @@ TEST(hbShading, AHeadLightFallsOffWithTheCosine) {
   }
 }
 
+TEST(hbShading, GlossIsAPowerWhateverItsExponent) {
+  for (const double exponent : {0.0, 1.0, 2.5, 24.0, 31.0, 1000.0, 10000.0})
+    for (const double degrees : {0.0, 3.0, 70.0}) {
+      const double cosine = tilted(degrees).z, expected = std::pow(cosine, exponent);
+      const double found = only(0.0, 0.0, 1.0, exponent).reflection(kNowhere, kAway, tilted(degrees)).gloss.r;
+      // The normal is made of length 1 again: some ulps of the cosine, and each product's.
+      EXPECT_NEAR(found, expected, expected * (exponent + 16.0) * 0x1p-50) << exponent << " " << degrees;
+    }
+}
+
 TEST(hbShading, PlacedLightsShineFromWhereTheyAre) {
   hbShading s = only(0.0, 1.0, 1.0, 2.0);
   s.lights = {{{10.0, 0.0, 0.0}, {1.0, 0.5, 0.0}}, {{0.0, 0.0, -5.0}, {9.0, 9.0, 9.0}}}; // the second from behind
