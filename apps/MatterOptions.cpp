@@ -92,7 +92,10 @@ std::optional<hbTransferFunction> app::MatterOptions::transferFunction(std::opti
       throw hbError(
           fmt::format("--transfer: expected a file or one of {}, found '{}'", fmt::join(names, ", "), transfer));
   }
-  if (ofLabels && !known) return known; // which the values decide
+  if (ofLabels && !known) { // the values decide
+    if (!transferRange.empty()) throw hbError("--transfer-range: expected --transfer, too, for --labels");
+    return known;
+  }
   if ((!transferRange.empty() || unitLength) && !known) known = hbTransferFunction::preset("density");
   if (!transferRange.empty()) {
     const auto ends = app::parseNumbers(transferRange, 2, 2, "--transfer-range");

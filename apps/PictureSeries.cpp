@@ -14,6 +14,7 @@
 #include "scene/hbCameraPath.h"
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
+#include "volume/hbError.h"
 
 namespace {
 
@@ -87,4 +88,17 @@ std::string app::PictureSeries::name(const std::string& out, std::size_t index, 
   return (whole.parent_path() /
           fmt::format("{}-{:0{}}{}", whole.stem().string(), index, digits, whole.extension().string()))
       .string();
+}
+
+void app::PictureSeries::checkOthers(const std::string& out, const std::vector<std::string>& others) const {
+  if (!isAskedFor()) return;
+  const std::filesystem::path whole(out);
+  const std::string prefix = whole.stem().string() + "-";
+  for (const std::string& other : others) {
+    const std::filesystem::path file(other);
+    const std::string stem = file.stem().string();
+    if (file.parent_path() == whole.parent_path() && file.extension() == whole.extension() &&
+        stem.starts_with(prefix) && stem.find_first_not_of("0123456789", prefix.size()) == std::string::npos)
+      throw hbError(fmt::format("{}: expected a name that no picture of the series has", other));
+  }
 }

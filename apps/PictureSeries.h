@@ -48,6 +48,8 @@ struct PictureSeries {
 
   /// The name of picture `index` of `count`: "out-0007.exr" of "out.exr".
   static std::string name(const std::string& out, std::size_t index, std::size_t count);
+  /// Throws hbError where a picture of a series that is asked for may have one of these names.
+  void checkOthers(const std::string& out, const std::vector<std::string>& others) const;
 
 private:
   std::vector<hbCamera> cameras(const hbCamera& first) const;

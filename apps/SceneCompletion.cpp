@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "apps/Program.h"
 #include "raycast/hbSceneDefaults.h"
 #include "volume/hbError.h"
@@ -13,8 +15,12 @@ std::shared_ptr<const hbField> app::labelled(const hbField& field, hbScene& scen
     throw hbError("--labels: expected a plain volume: what is compressed or computed has values between its samples");
   if (!scene.transfer && (scene.mode == hbMode::dvr || scene.mode == hbMode::slice)) {
     const hbRange range = field.range({}, scene.component);
-    const auto label = [&](float value) { return std::llround(field.valueMap().toTrue(value)); };
-    scene.transfer = hbTransferFunction::ofLabels(label(range.lo), label(range.hi));
+    const double least = field.valueMap().toTrue(range.lo), greatest = field.valueMap().toTrue(range.hi);
+    constexpr double kMost = 1 << 24; // whole numbers from there on are not all floats
+    if (!(std::abs(least) < kMost && std::abs(greatest) < kMost))
+      throw hbError(
+          fmt::format("--labels: expected numbers between -{0} and {0}, found {1} to {2}", kMost, least, greatest));
+    scene.transfer = hbTransferFunction::ofLabels(std::llround(least), std::llround(greatest));
     if (unitLength) scene.transfer = scene.transfer->withUnitLength(*unitLength);
   }
   return std::make_shared<const hbVolumeField>(volume->nearest());

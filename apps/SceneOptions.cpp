@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
@@ -39,7 +40,9 @@ hbScene::Plane planeOf(const std::string& text, const hbGeometry& geometry) {
 hbCamera facing(const hbScene::Plane& plane, const hbGeometry& geometry, double aspect) {
   hbCamera camera = hbCamera::framing(geometry, 0.0, 0.0, hbCamera::Projection::orthographic, aspect);
   const double away = glm::length(camera.position - camera.target);
-  const glm::dvec3 normal = glm::normalize(plane.normal / glm::length(plane.normal));
+  const glm::dvec3 size = glm::abs(plane.normal);
+  // Squares of what is scaled do not go under or over.
+  const glm::dvec3 normal = glm::normalize(plane.normal / std::max({size.x, size.y, size.z}));
   camera.target -= glm::dot(camera.target - plane.point, normal) * normal;
   camera.position = camera.target + 2.0 * away * normal;
   if (std::abs(normal.z) > 0.99) camera.up = {0.0, 1.0, 0.0};

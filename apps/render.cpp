@@ -97,6 +97,7 @@ app::Work prepare(const Options& options, const app::CommonOptions& common) {
   if (app::extension(options.out) != ".exr" && app::extension(options.out) != ".png")
     throw hbError(fmt::format("{}: expected a name that ends with .exr or .png", options.out));
   common.checkOutputs({options.out, options.saveScene, options.series.savePath});
+  options.series.checkOthers(options.out, {options.saveScene, options.series.savePath, common.stats});
   options.input.rawLayout();
   const hbEngine engine = hb::engineFromName(options.engine);
   app::Renderer::check(engine, options.rendering);

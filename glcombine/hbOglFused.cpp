@@ -113,6 +113,7 @@ const hbGlProgram& hbOglFused::prepared(std::unique_ptr<hbGlProgram>& program, c
 void hbOglFused::march(const hbOglRays& rays, const hbGlTarget& out) const {
   const hbMode mode = rays.planes().scene().mode;
   const char* shader = mode == hbMode::xray ? kXray : mode == hbMode::mip ? kMip : kIso;
+  assert(std::size_t(mode) < march_.size());
   const hbGlProgram& program = prepared(march_[std::size_t(mode)], shader, rays, out);
   program.set("iso", rays.planes().iso());
   quad_.draw();

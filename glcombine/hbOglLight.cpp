@@ -50,7 +50,7 @@ void shine(inout vec3 colour, inout float depth, float place) {
   float greatest = greatestOf(gradient);
   vec3 direction = greatest > 0.0 ? gradient / greatest : vec3(0.0);
   float slope = length(direction) * greatest * shownGradients.x;
-  depth *= clamp((slope - shownGradients.y) / shownGradients.z, 0.0, 1.0);
+  if (shownGradients.x > 0.0) depth *= clamp((slope - shownGradients.y) / shownGradients.z, 0.0, 1.0);
 
   vec3 ray = directionOfRay(), normal = unit(direction), at = cubeToWorld * point;
   if (dot(normal, ray) > 0.0) normal = -normal;

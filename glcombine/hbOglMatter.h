@@ -25,10 +25,9 @@ public:
   bool isLit() const { return isLit_; }
 
   /// GLSL (330) that declares
-  ///   const float kOpaque: hbEmissionAbsorption's,
-  ///   const vec4 kUnlit: what is seen of a ray before its first sample, which is light and, in .a, what is let
-  ///   through, void addSample(inout vec4 seen, int plane, ivec2 planes, vec3 lengths, float before, float number):
-  ///   adds a ray's
+  ///   bool isOpaque(vec4 seen): whether nothing behind shows, by hbEmissionAbsorption's limit; `seen` is light, in
+  ///     linear red, green and blue multiplied by the opacity, and in .a the opacity: 0 before a ray's first sample,
+  ///   void addSample(inout vec4 seen, int plane, ivec2 planes, vec3 lengths, float before, float number): adds a ray's
   ///     sample on a plane, or the slab before it, front to back; `planes` and `lengths` as hbOglRays has them,
   ///     `before` the number on the plane before,
   /// and what it is made of: vec4 matterAt(float number), which is hbTransferTable::at() with the extinction of a step,

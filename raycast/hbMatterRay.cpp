@@ -24,7 +24,7 @@ bool hbMatterRay::addLit(const glm::vec4& piece, double length, double middle) {
   // Where gradients take nothing away, the end of the ray is known without them.
   if (!scene_.gradientOpacity)
     ahead_ *= matter_.isPreintegrated() ? std::pow(1.0 - double(piece.a), length / matter_.step())
-                                        : std::exp(-double(piece.a) * length);
+                                        : hbEmissionAbsorption::transmission(double(piece.a) * length);
   if (pieces_.waiting() >= kMostWaiting || ahead_ < hbEmissionAbsorption::kOpaque) pieces_.compose();
   return !light_.isOpaque();
 }

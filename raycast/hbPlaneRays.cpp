@@ -43,8 +43,8 @@ hbPlaneRays::hbPlaneRays(const hbField& field, const hbScene& scene)
             std::int32_t(std::min(planes_ - 1.0, std::floor(place(segment->leave)))), cosine};
     const auto way = [&](int plane) { return (distance(plane) - start) / cosine; };
     const bool isBetween = made.last < made.first;
-    made.before = isBetween ? 0.5 * segment->length() : way(made.first) - segment->enter;
-    made.behind = isBetween ? 0.5 * segment->length() : segment->leave - way(made.last);
+    made.before = isBetween ? 0.5 * segment->length() : std::max(0.0, way(made.first) - segment->enter);
+    made.behind = isBetween ? 0.5 * segment->length() : std::max(0.0, segment->leave - way(made.last));
   }
 }
 

@@ -268,7 +268,7 @@ private:
     double end = segment.enter;
     bool isSeen = true;
     const auto add = [&](float front, float back, double until) {
-      isSeen = light_->add(frame_.matter->slab(front, back), until - end, 0.5 * (end + until));
+      isSeen = light_->add(frame_.matter->slab(front, back), std::max(0.0, until - end), 0.5 * (end + until));
       end = until;
       return isSeen;
     };
@@ -296,7 +296,9 @@ private:
     const hbScene::Plane& plane = *frame_.scene.slice;
     const double distance =
         glm::dot(plane.point - ray.origin, plane.normal) / glm::dot(ray.direction, plane.normal); // NaN along it
-    if (!(distance >= segment.enter && distance <= segment.leave)) return;
+    // A plane that is a face of the volume is in it, however the two distances are rounded.
+    const double slack = 1e-12 * (std::abs(distance) + segment.leave);
+    if (!(distance >= segment.enter - slack && distance <= segment.leave + slack)) return;
     met_.push_back(at);
     places_.push_back(segment.at(distance));
   }

@@ -9,15 +9,13 @@
 #include "volume/hbField.h"
 #include "volume/hbProgress.h"
 
-/// The software ray caster: X-ray, MIP and iso-surface pictures of any hbField.
+/// The software ray caster: pictures of any hbField, in all modes.
 ///
 /// Source: the sparse-grid paper, section 4, Fig. 4 and 5. A ray that spends the length L inside the volume takes
-/// - equidistant: ceil(L/d) samples at the midpoints of equal steps (iso: at their ends, entry and exit included),
-/// where d is
+/// - equidistant: ceil(L/d) samples at the midpoints of equal steps (iso: at their ends, entry and exit included); d is
 ///   hbSampling::stepLength();
 /// - planewise: a sample on each of the planes, midpoints of equal slabs across the view axis, that it meets inside the
-/// volume,
-///   weighted by the planes' distance over the cosine of its angle to the axis.
+///   volume, weighted by the planes' distance over the cosine of its angle to the axis.
 /// X-ray sums values times weights in 64 bits; MIP takes the greatest sample. An iso-surface is where a value and the
 /// next one lie on different sides of the iso-value (a value equal to it counts as above); two crossings between two
 /// samples are missed. Equidistant crossings are refined, planewise ones interpolated linearly between the planes, as
@@ -33,7 +31,7 @@ public:
 
   /// Keeps a reference to `field`. Throws hbError for an invalid scene, a component the field lacks, an iso mode
   /// without an iso-value, a DVR mode without a transfer function that states its unit length, a slice without a plane.
-  /// `scene.magnitude` is not looked at: pass an hbMagnitudeField.
+  /// `scene.magnitude` and `scene.labels` are not looked at: pass an hbMagnitudeField, or hbVolumeField::nearest().
   hbRaycaster(const hbField& field, const hbScene& scene);
 
   /// From now on pictures are seen from there; what does not depend on that is kept. Throws hbError for a camera that

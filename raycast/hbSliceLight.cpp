@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "raycast/hbLitPieces.h"
 #include "volume/hbParallel.h"
 
 namespace {
@@ -20,7 +21,7 @@ hbSliceLight::hbSliceLight(const hbShearFactorisation& rays, const hbSliceSample
                            const hbScene& scene, Memory& memory)
     : rays_(rays), sampler_(rays, source), chords_(rays), tasks_(rays), matter_(matter), visibility_(visibility),
       scene_(scene), gradients_(rays, sampler_, geometry), cubeToWorld_(geometry.cubeToWorld()),
-      isLit_(scene.shading || scene.gradientOpacity), memory_(memory) {
+      isLit_(hbLitPieces::areIn(scene)), memory_(memory) {
   const glm::dmat3 toWorld(cubeToWorld_);
   const hbShearFactorisation::Slice change = rays.changeOfSlice();
   way_ = toWorld * rays.point(change, 0.0, 0.0);
@@ -134,7 +135,7 @@ void hbSliceLight::addLit(const Row& row, int i, const glm::vec4& piece, double 
     reflection =
         scene_.shading->reflection(glm::dvec3(cubeToWorld_ * glm::dvec4(place, 1.0)), glm::normalize(way), gradient);
   }
-  compose(piece, length, reflection, row.light[i]);
+  matter_.addPiece(piece, length, row.light[i], reflection);
 }
 
 bool hbSliceLight::isInvisible(const Row& row, int u0, int u1) const {

@@ -77,16 +77,9 @@ private:
     if (row.gradients)
       addLit(row, i, piece, length);
     else
-      compose(piece, length, {}, row.light[i]);
+      matter_.addPiece(piece, length, row.light[i]);
   }
   void addLit(const Row& row, int i, const glm::vec4& piece, double length) const;
-  void compose(const glm::vec4& piece, double length, const hbShading::Reflection& reflection,
-               hbEmissionAbsorption& light) const {
-    if (matter_.isPreintegrated())
-      light.addSlab(piece, length / matter_.step(), reflection);
-    else
-      light.add(piece, length, reflection);
-  }
   /// Rays u0 to u1 of a row, which go on through the cube before and after the slice.
   void addInner(const Row& row, int u0, int u1) const;
   /// Any.

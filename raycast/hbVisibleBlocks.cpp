@@ -41,7 +41,9 @@ hbVisibleBlocks::Walk::Walk(const hbVisibleBlocks& blocks, const hbRaySegment& s
     const double index = std::clamp(std::floor(origin + here_ * direction), 0.0, last);
     block_ += std::int64_t(index) * stride_[axis];
     left_[axis] = std::int64_t(direction < 0.0 ? index : last - index);
-    border_[axis] = direction == 0.0 ? kInfinity : ((direction < 0.0 ? index : index + 1.0) - origin) / direction;
+    border_[axis] = direction == 0.0 || left_[axis] == 0
+                        ? kInfinity
+                        : ((direction < 0.0 ? index : index + 1.0) - origin) / direction;
     delta_[axis] = direction == 0.0 ? kInfinity : 1.0 / std::abs(direction);
     if (direction < 0.0) stride_[axis] = -stride_[axis];
   }
@@ -49,11 +51,12 @@ hbVisibleBlocks::Walk::Walk(const hbVisibleBlocks& blocks, const hbRaySegment& s
 
 void hbVisibleBlocks::Walk::advance() {
   const auto axis = std::size_t(std::min_element(border_.begin(), border_.end()) - border_.begin());
-  here_ = left_[axis] == 0 ? end_ : border_[axis];
-  if (left_[axis] == 0) return;
+  here_ = std::min(border_[axis], end_);
+  if (here_ == end_) return;
   --left_[axis];
   block_ += stride_[axis];
-  border_[axis] += delta_[axis];
+  // Behind the last block only the ray's end counts, which is not rounded as borders are.
+  border_[axis] = left_[axis] == 0 ? std::numeric_limits<double>::infinity() : border_[axis] + delta_[axis];
 }
 
 bool hbVisibleBlocks::Walk::next() {

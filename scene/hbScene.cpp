@@ -118,6 +118,8 @@ void hbScene::validate(const std::string& what) const {
     throw hbError(fmt::format("{}: window: expected two finite numbers, the first less than the second, found {}, {}",
                               what, window->first, window->second));
   if (shading) shading->validate(what + ": shading");
+  if (labels && preintegrated)
+    throw hbError(what + ": preintegrated: expected false for labels, between which there is nothing to integrate");
   if (gradientOpacity && !(gradientOpacity->first >= 0.0 && gradientOpacity->first < gradientOpacity->second &&
                            std::isfinite(gradientOpacity->second)))
     throw hbError(

@@ -230,6 +230,8 @@ TEST_F(render, SlicesVolumes) {
     const auto inside = [](int pixels) { return 2 * int(0.5 * pixels / 1.02 + 0.5); };
     EXPECT_EQ(covered(made), inside(made.width) * inside(made.height)) << c.plane;
   }
+  EXPECT_RUNS(run({"render", "v.nrrd", "r.exr", "--slice", "2,4,3,0,1e-200,0", "--size", "40x60"}));
+  EXPECT_GT(covered(picture("r.exr")), 1000);
   expectFailureLeavesAll({"render", "v.nrrd", "x.exr", "--slice", "x:1.5"}, 1, "--slice: expected a fraction");
   expectFailureLeavesAll({"render", "v.nrrd", "x.exr", "--slice", "0,0,0,0,0,0"}, 1, "slice: expected a finite point");
   expectFailureLeavesAll({"render", "v.nrrd", "x.exr", "--slice", "w:0"}, 1, "--slice");
@@ -273,6 +275,13 @@ TEST_F(render, ShowsLabels) {
   EXPECT_EQ(picture("again.exr").channels, lit.channels);
   EXPECT_RUNS(run({"compress", "l.nrrd", "l.hbv", "--level", "2"}));
   expectFailureLeavesAll({"render", "l.hbv", "x.exr", "--labels"}, 1, "--labels: expected a plain volume");
+  expectFailureLeavesAll({"render", "l.nrrd", "x.exr", "--labels", "--mode", "dvr", "--preintegrate"}, 1,
+                         "preintegrated: expected false for labels");
+  expectFailureLeavesAll({"render", "l.nrrd", "x.exr", "--labels", "--mode", "dvr", "--transfer-range", "0,9"}, 1,
+                         "--transfer-range: expected --transfer");
+  writeVolume<float>("far.nrrd", {2, 2, 2}, 1,
+                     [](std::int64_t x, std::int64_t, std::int64_t, int) { return x == 0 ? -1e20F : 5.0F; });
+  expectFailureLeavesAll({"render", "far.nrrd", "x.exr", "--labels", "--mode", "dvr"}, 1, "--labels: expected numbers");
 }
 
 TEST_F(render, GoesAroundAndAlongPaths) {
@@ -302,6 +311,8 @@ TEST_F(render, GoesAroundAndAlongPaths) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "p-0002.png"));
   expectFailureLeavesAll({"render", "h.hbv", "x.png", "--orbit", "2", "--path", "path.json"}, 2, "--orbit");
   expectFailureLeavesAll({"render", "h.hbv", "x.png", "--orbit", "0"}, 2, "--orbit");
+  expectFailureLeavesAll({"render", "h.hbv", "x.json.png", "--orbit", "2", "--save-path", "x.json-0001.png"}, 1,
+                         "no picture of the series");
   expectFailureLeavesAll({"render", "h.hbv", "x.png", "--path", "none.json"}, 1, "none.json");
   expectFailureLeavesAll({"render", "h.hbv", "x.png", "--path", "scene.json"}, 1,
                          "unknown key; known are version, cameras");

@@ -86,6 +86,15 @@ TEST(hbEmissionAbsorption, LayersShowThroughWhatIsBeforeThem) {
   EXPECT_TRUE(light.isOpaque());
 }
 
+TEST(hbEmissionAbsorption, ThinPiecesLetThroughWhatTheExponentialSays) {
+  for (int i = 0; i <= 4000; ++i) {
+    const double depth = 1e-3 * std::exp(i * 0.005 - 10.0);
+    EXPECT_NEAR(hbEmissionAbsorption::transmission(depth), std::exp(-depth), 0x1p-52) << depth;
+  }
+  EXPECT_EQ(hbEmissionAbsorption::transmission(0.0), 1.0);
+  EXPECT_EQ(hbEmissionAbsorption::transmission(1e300), 0.0);
+}
+
 // exp(-sigma d), whatever the camera, the step, the sampling and the spacing.
 TEST(hbDvr, AHomogeneousMediumIsExact) {
   constexpr double kOpacity = 0.3, kUnit = 0.7;
@@ -284,6 +293,24 @@ TEST(hbDvr, GradientsAreTakenOfWhatIsSeen) {
   EXPECT_GT(gradients, 0);
   // One sample of optical depth 36.7 / 64 = 0.57 lets through a half: rays end after 13.
   EXPECT_LE(gradients, 6 * 13 * 19 * 13);
+}
+
+// The last slab may end an ulp behind the ray, and be as opaque as floats can say.
+TEST(hbDvr, OpaqueSlabsAtTheEndOfARayStayFinite) {
+  hbEmissionAbsorption light;
+  light.addSlab({1.0F, 1.0F, 1.0F, 1.0F}, -1e-16);
+  EXPECT_EQ(light.opacity(), 0.0);
+  const hbGeometry g = box({5, 5, 5}, {1.0, 1.0, 1.0});
+  const hbVolumeField field = volumeOf(g, [](const glm::dvec3& p) { return p.y; });
+  hbCamera camera;
+  for (int i = 0; i < 200; ++i) {
+    camera.position = {0.3 + 0.001 * i, -0.001 * i, 0.4};
+    camera.target = {0.5, 1.0, 0.5};
+    hbScene scene = dvrScene(transfer({{0.0, 0.0}, {1.0, 1.0}}, 0.2), camera, 7);
+    scene.preintegrated = true;
+    const hbPicture picture = hbRaycaster(field, scene).render();
+    for (const float a : channel(picture, "A")) EXPECT_TRUE(a >= 0.0F && a <= 1.0F) << i << " " << a;
+  }
 }
 
 TEST(hbDvr, OpaqueRaysEndEarly) {

@@ -396,6 +396,34 @@ TEST(hbRaycaster, ASliceIsTheFieldOnItsPlane) {
   for (const float a : channel(nothing, "A")) EXPECT_EQ(a, 0.0F);
 }
 
+// Wherever a volume lies: its faces are part of it, however world and cube coordinates are rounded.
+TEST(hbRaycaster, ASliceAtAFaceIsTheFace) {
+  for (const double origin : {0.0, -0.35, 12.7, -90.3})
+    for (const double spacing : {0.7, 1.1, 0.4883})
+      for (int axis = 0; axis < 3; ++axis)
+        for (const double end : {0.0, 1.0}) {
+          hbGeometry g;
+          g.size = {5, 4, 7};
+          g.spacing = glm::dvec3(spacing);
+          g.origin = glm::dvec3(origin);
+          const FunctionField field(g, [](const glm::dvec3&) { return 1.0; });
+          hbScene scene = sceneOf(hbMode::slice, 8);
+          glm::dvec3 at(0.5), normal(0.0);
+          at[axis] = end;
+          normal[axis] = 1.0;
+          scene.slice = {glm::dvec3(g.cubeToWorld() * glm::dvec4(at, 1.0)), normal};
+          hbCamera camera;
+          camera.projection = hbCamera::Projection::orthographic;
+          camera.target = scene.slice->point;
+          camera.position = camera.target + 9.0 * normal;
+          camera.up = glm::dvec3(normal.y, normal.z, normal.x);
+          camera.height = spacing; // within the face
+          scene.camera = camera;
+          const hbPicture picture = hbRaycaster(field, scene).render();
+          for (const float a : channel(picture, "A")) EXPECT_EQ(a, 1.0F) << origin << " " << spacing << " " << axis;
+        }
+}
+
 TEST(hbRaycaster, EveryEngineGivesTheSamePictures) {
   const hbIndexSet set = hbIndexSet::regular(5, {});
   const hbSparseGrid grid =

@@ -139,7 +139,9 @@ TEST(hbPreintegration, ClearSlabsHaveNoOpacity) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (float front = -2.0F; front < 12.0F; front += 0.0625F)
     for (float back = -2.0F; back < 12.0F; back += 0.0625F)
-      if (table.isClear(front, back)) EXPECT_EQ(table.at(front, back).a, 0.0F) << front << " " << back;
+      if (table.isClear(front, back)) {
+        EXPECT_EQ(table.at(front, back).a, 0.0F) << front << " " << back;
+      }
   EXPECT_TRUE(table.isClear(-2.0F, 2.5F));
   EXPECT_TRUE(table.isClear(12.0F, 7.5F));
   EXPECT_FALSE(table.isClear(2.0F, 8.0F)); // past what is seen

@@ -35,6 +35,7 @@ hbScene everythingSet() {
   scene.slice = {{0.1, 0.2, 0.3}, {0.0, -1.0, 1e-5}};
   scene.background = {0.1, 1.0, 1.0 / 3.0};
   scene.labels = true;
+  scene.preintegrated = false;
   scene.component = 2;
   scene.magnitude = true;
   scene.width = 640;
@@ -56,7 +57,10 @@ std::filesystem::path temporary(const char* name) { return std::filesystem::path
 } // namespace
 
 TEST(hbScene, JsonRoundTripsExactly) {
-  for (const hbScene& scene : {hbScene{}, everythingSet()}) {
+  hbScene slabs = everythingSet(); // which labels cannot have
+  slabs.labels = false;
+  slabs.preintegrated = true;
+  for (const hbScene& scene : {hbScene{}, everythingSet(), slabs}) {
     const std::string text = hb::toJson(scene);
     EXPECT_EQ(hb::sceneFromJson(text, "s.json"), scene);
     EXPECT_EQ(hb::toJson(hb::sceneFromJson(text, "s.json")), text);
@@ -120,6 +124,8 @@ TEST(hbScene, ErrorsNameTheFileAndTheKey) {
        "s.json: shading: lights: expected an array of at most 8 objects, found an object"},
       {R"({"version": 1, "shading": {"lights": [{"color": [1, 1, 1]}]}})",
        "s.json: shading: lights: position: expected, but missing"},
+      {R"({"version": 1, "labels": true, "preintegrated": true})",
+       "s.json: preintegrated: expected false for labels, between which there is nothing to integrate"},
       {R"({"version": 1, "gradientOpacity": [2, 1]})",
        "s.json: gradientOpacity: expected two numbers from 0 on, the first less than the second, found 2, 1"},
       {R"({"version": 1, "clip": {"lo": [0, 0.5, 0], "hi": [1, 0.5, 1]}})",
