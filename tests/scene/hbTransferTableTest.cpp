@@ -127,7 +127,9 @@ TEST(hbTransferTable, ClearValuesHaveNoExtinction) {
           for (const float around : {-1e-3F, -6e-8F, 0.0F, 6e-8F, 1e-3F})
             values.push_back(float(double(i) / double(entries - 1)) + around);
         for (const float value : values)
-          if (table.isClear(value)) EXPECT_EQ(table.at(value).a, 0.0F) << value;
+          if (table.isClear(value)) {
+            EXPECT_EQ(table.at(value).a, 0.0F) << value;
+          }
         EXPECT_FALSE(table.isClear(std::numeric_limits<float>::quiet_NaN()));
       }
 }
