@@ -147,8 +147,8 @@ TEST_F(render, TheLatticeEngineDrawsColourAndOpacity) {
     // opaque.
     EXPECT_LT(run({"diff", "lattice.exr", "seminodal.exr", "--json"}).json()["max"].get<double>(),
               2 * value * (20 * 1.06 + 8) + 0x1p-10 + 0x1p-20);
-    const std::vector<float>& opacities = *picture("lattice.exr").find("A");
-    EXPECT_GT(*std::max_element(opacities.begin(), opacities.end()), 0.5F);
+    const hbPicture made = picture("lattice.exr");
+    EXPECT_GT(*std::ranges::max_element(*made.find("A")), 0.5F);
   }
   // From an angle, with a scene of its own.
   EXPECT_RUNS(run({"render", "s.hbv", "o.png", "--engine", "lattice", "--mode", "dvr", "--size", "41x31",
