@@ -118,7 +118,7 @@ void hbPixelWarp::showAlone(const Lonely& lonely, const hbMatter& matter) {
     const hbRay seen =
         scene_.camera->ray(double(pixel % width) + 0.5, double(pixel / width) + 0.5, scene_.width, scene_.height);
     ray.begin(seen, {lonely.middles[i], glm::dvec3(0.0), 0.0, lonely.lengths[i]});
-    ray.add(matter.isPreintegrated() ? matter.slab(value, value) : matter.at(value), lonely.lengths[i], 0.0);
+    ray.add(matter.piece(value), lonely.lengths[i], 0.0);
     const hbEmissionAbsorption& light = ray.finish();
     show(pixel, light.colour(), light.opacity());
   }
