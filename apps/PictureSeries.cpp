@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "apps/Program.h"
-#include "apps/Renderer.h"
+#include "glcombine/hbRenderer.h"
 #include "scene/hbCameraPath.h"
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
@@ -56,7 +56,7 @@ std::vector<hbCamera> app::PictureSeries::cameras(const hbCamera& first) const {
   return hb::orbit(first, std::max(1, orbit));
 }
 
-void app::PictureSeries::draw(Renderer& renderer, const Output& output, const hbHistogram& histogram,
+void app::PictureSeries::draw(hbRenderer& renderer, const Output& output, const hbHistogram& histogram,
                               PictureTimes& times) const {
   const std::vector<hbCamera> all = cameras(*renderer.scene().camera);
   std::optional<std::pair<double, double>> window;
@@ -65,7 +65,7 @@ void app::PictureSeries::draw(Renderer& renderer, const Output& output, const hb
     hbPicture picture;
     for (int k = 0; k < output.repeat; ++k) {
       const double before = times.sinceBegin();
-      picture = renderer.render();
+      picture = renderer.render(app::progress());
       times.pictures.push_back(times.sinceBegin() - before);
       if (times.pictures.size() == 1) times.first = times.sinceBegin();
     }

@@ -12,9 +12,9 @@ namespace CLI {
 class App;
 }
 
-namespace app {
+class hbRenderer;
 
-class Renderer;
+namespace app {
 
 /// What the pictures of a run took, in seconds.
 struct PictureTimes {
@@ -44,7 +44,7 @@ struct PictureSeries {
   };
   /// Draws and writes all pictures, or one where no series is asked for, and warns on stderr where nothing or nothing
   /// finite is seen. `histogram`: of what iso-values are chosen from. PNGs are shown through the first one's window.
-  void draw(Renderer& renderer, const Output& output, const hbHistogram& histogram, PictureTimes& times) const;
+  void draw(hbRenderer& renderer, const Output& output, const hbHistogram& histogram, PictureTimes& times) const;
 
   /// The name of picture `index` of `count`: "out-0007.exr" of "out.exr".
   static std::string name(const std::string& out, std::size_t index, std::size_t count);

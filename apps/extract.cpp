@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/FieldWriter.h"
-#include "apps/MemoryMonitor.h"
+#include "volume/hbMemoryMonitor.h"
 #include "apps/Program.h"
 #include "volume/hbError.h"
 
@@ -43,7 +43,7 @@ struct Selection {
 void run(const Options& options, const Selection& selection, const app::CommonOptions& common) {
   const hbInput input = options.input.open(common, app::progress());
   const hbSubLattice lattice = selection.of(input);
-  app::MemoryMonitor memory;
+  hbMemoryMonitor memory;
   const auto start = std::chrono::steady_clock::now();
   // Lattices come from a sparse grid as it is: another form would only take memory.
   const auto field = options.input.field(input, input.sparse ? "direct" : "full", common);

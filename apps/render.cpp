@@ -9,23 +9,22 @@
 #include <nlohmann/json.hpp>
 #include <oneapi/tbb/info.h>
 
-#include "apps/MemoryMonitor.h"
+#include "apps/EngineOptions.h"
 #include "apps/PictureSeries.h"
 #include "apps/Program.h"
-#include "apps/Renderer.h"
-#include "apps/SceneCompletion.h"
 #include "apps/SceneOptions.h"
-#include "raycast/hbShearWarp.h"
+#include "raycast/hbSceneDefaults.h"
 #include "volume/hbError.h"
 #include "volume/hbMagnitudeField.h"
+#include "volume/hbMemoryMonitor.h"
 
 namespace {
 
 struct Options {
   app::InputOptions input;
   app::SceneOptions scene;
-  std::string out, engine = "auto", saveScene;
-  app::Renderer::Options rendering;
+  std::string out, saveScene;
+  app::EngineOptions engine;
   app::PictureSeries series;
   int repeat = 1;
 };
@@ -34,11 +33,11 @@ void run(const Options& options, const app::CommonOptions& common) {
   app::PictureTimes times;
   const hbInput input = options.input.open(common, app::progress());
   times.load = times.sinceBegin();
-  app::MemoryMonitor memory;
+  hbMemoryMonitor memory;
 
   double before = times.sinceBegin();
-  const hbEngine engine = input.engine(hb::engineFromName(options.engine));
-  std::shared_ptr<const hbField> field = options.input.field(input, options.engine, common);
+  const hbEngine engine = input.engine(options.engine.engine());
+  std::shared_ptr<const hbField> field = options.input.field(input, options.engine.name, common);
   times.build = times.sinceBegin() - before;
 
   hbScene scene = options.scene.scene(input.geometry());
@@ -49,10 +48,11 @@ void run(const Options& options, const app::CommonOptions& common) {
   if (scene.component >= field->components())
     throw hbError(
         fmt::format("--component: expected 0 to {} or magnitude, found {}", input.components() - 1, scene.component));
-  if (scene.labels) field = app::labelled(*field, scene, options.scene.matter.unitLength);
-  const hbHistogram histogram = app::complete(scene, *field);
+  if (scene.labels) field = hb::labelField(*field, scene, options.scene.matter.unitLength);
+  const hbHistogram histogram = hb::completeScene(scene, *field, app::progress());
   before = times.sinceBegin();
-  const auto renderer = app::Renderer::create(engine, input, *field, scene, options.rendering, common, options.out);
+  const auto renderer = hbRenderer::create(engine, input, *field, scene, options.engine.renderer(common),
+                                           [&](double bytes) { common.checkMemory(bytes, options.out); });
   times.build += times.sinceBegin() - before;
   options.series.draw(*renderer,
                       {options.out,
@@ -86,7 +86,7 @@ void run(const Options& options, const app::CommonOptions& common) {
       {"texture_bytes", 0},
       {"threads", common.threads > 0 ? common.threads : oneapi::tbb::info::default_concurrency()},
       {"gl_renderer", nullptr}};
-  renderer->describe(stats);
+  options.engine.describe(renderer->facts(), stats);
   fmt::print("{}: {} by {} in {:.3f} s a frame ({} samples over the depth), load {:.3f} s\n", options.out,
              hb::modeName(scene.mode), hb::engineName(engine), frames[frames.size() / 2], stats["samples"].get<int>(),
              times.load);
@@ -99,8 +99,7 @@ app::Work prepare(const Options& options, const app::CommonOptions& common) {
   common.checkOutputs({options.out, options.saveScene, options.series.savePath});
   options.series.checkOthers(options.out, {options.saveScene, options.series.savePath, common.stats});
   options.input.rawLayout();
-  const hbEngine engine = hb::engineFromName(options.engine);
-  app::Renderer::check(engine, options.rendering);
+  const hbEngine engine = options.engine.engine();
   if (engine == hbEngine::opengl && options.scene.sampling == "equidistant")
     throw hbError("--sampling: expected planewise with --engine opengl, found equidistant");
   return [&] { run(options, common); };
@@ -122,19 +121,7 @@ void addRender(CLI::App& program, const app::CommonOptions& common, app::Work& w
   command->add_option("--save-scene", options->saveScene, "Save the scene as rendered")
       ->group("Camera")
       ->type_name("S.json");
-  command
-      ->add_option(
-          "--engine", options->engine,
-          "auto; full (plain volumes and fields; sparse grids extracted first); of sparse grids seminodal, direct, "
-          "combination, lattice (shear-warp) or opengl")
-      ->group("Rendering")
-      ->capture_default_str();
-  command
-      ->add_option("--supersample", options->rendering.supersample,
-                   "Lattice: rays a pixel along either axis (default 1)")
-      ->check(CLI::Range(1, hbShearWarp::kMostSupersample))
-      ->group("Rendering");
-  options->rendering.openGl.addTo(*command);
+  options->engine.addTo(*command);
   command->add_option("--repeat", options->repeat, "Frames to time; the median is reported")
       ->check(CLI::Range(1, 10000))
       ->group("Rendering")

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <utility>
 
+#include "scene/hbScene.h"
 #include "scene/hbTransferFunction.h"
 #include "volume/hbField.h"
 #include "volume/hbHistogram.h"
@@ -26,5 +28,13 @@ inline constexpr double kMostShown = 0.998;
 /// no unit length gets hbTransferFunction::defaultUnitLength(). Throws hbError for values without a range.
 hbTransferFunction transferFor(const std::optional<hbTransferFunction>& asked, const hbHistogram& histogram,
                                const hbGeometry& geometry);
+
+/// The field of a volume's labels; a scene that shows colours without a transfer function gets one that tells them
+/// apart, with that unit length where one is given. Throws hbError for what is no plain volume.
+std::shared_ptr<const hbField> labelField(const hbField& field, hbScene& scene, std::optional<double> unitLength);
+
+/// Chooses an iso-value and stretches a transfer function, where the scene's mode needs them; the values' histogram, if
+/// it was taken for that.
+hbHistogram completeScene(hbScene& scene, const hbField& field, hbProgress& progress = hbProgress::none());
 
 } // namespace hb

@@ -1,10 +1,10 @@
-#include "apps/MemoryMonitor.h"
+#include "volume/hbMemoryMonitor.h"
 
 #include <chrono>
 #include <fstream>
 #include <string>
 
-std::int64_t app::MemoryMonitor::anonymousBytes() {
+std::int64_t hbMemoryMonitor::anonymousBytes() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;)
     if (word == "RssAnon:") {
@@ -15,7 +15,7 @@ std::int64_t app::MemoryMonitor::anonymousBytes() {
   return 0;
 }
 
-app::MemoryMonitor::MemoryMonitor() : start_(anonymousBytes()), peak_(start_) {
+hbMemoryMonitor::hbMemoryMonitor() : start_(anonymousBytes()), peak_(start_) {
   thread_ = std::thread([this] {
     while (!stop_) {
       look();
@@ -24,19 +24,19 @@ app::MemoryMonitor::MemoryMonitor() : start_(anonymousBytes()), peak_(start_) {
   });
 }
 
-app::MemoryMonitor::~MemoryMonitor() {
+hbMemoryMonitor::~hbMemoryMonitor() {
   stop_ = true;
   thread_.join();
 }
 
-void app::MemoryMonitor::look() {
+void hbMemoryMonitor::look() {
   const std::int64_t now = anonymousBytes();
   std::int64_t before = peak_;
   while (now > before && !peak_.compare_exchange_weak(before, now)) {
   }
 }
 
-std::int64_t app::MemoryMonitor::growth() {
+std::int64_t hbMemoryMonitor::growth() {
   look();
   return peak_ - start_;
 }

@@ -4,15 +4,13 @@
 #include <cstdint>
 #include <thread>
 
-namespace app {
-
 /// Watches how far the process's anonymous memory grows while it lives, by looking every two milliseconds.
-class MemoryMonitor {
+class hbMemoryMonitor {
 public:
-  MemoryMonitor();
-  ~MemoryMonitor();
-  MemoryMonitor(const MemoryMonitor&) = delete;
-  MemoryMonitor& operator=(const MemoryMonitor&) = delete;
+  hbMemoryMonitor();
+  ~hbMemoryMonitor();
+  hbMemoryMonitor(const hbMemoryMonitor&) = delete;
+  hbMemoryMonitor& operator=(const hbMemoryMonitor&) = delete;
 
   /// The peak so far above what there was at the beginning, in bytes.
   std::int64_t growth();
@@ -28,5 +26,3 @@ private:
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
-
-} // namespace app
