@@ -21,7 +21,7 @@ app::CommandLine::CommandLine()
                    "  hbvol render field:hydrogen orbital.exr --mode iso --iso 5\n"
                    "  hbvol diff full.exr sparse.exr --json\n"
                    "Exit status: 0 done, 1 failed (one line on stderr), 2 wrong usage.");
-  for (const auto add : {addInfo, addGenerate, addCompress, addExtract, addRender, addProbe, addDiff})
+  for (const auto add : {addInfo, addGenerate, addCompress, addExtract, addRender, addProbe, addDiff, addCompare})
     add(*program_, common_, work_);
   for (CLI::App* command : program_->get_subcommands({})) common_.addTo(*command);
 }

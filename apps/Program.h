@@ -104,3 +104,4 @@ void addExtract(CLI::App& program, const app::CommonOptions& common, app::Work& 
 void addRender(CLI::App& program, const app::CommonOptions& common, app::Work& work);
 void addProbe(CLI::App& program, const app::CommonOptions& common, app::Work& work);
 void addDiff(CLI::App& program, const app::CommonOptions& common, app::Work& work);
+void addCompare(CLI::App& program, const app::CommonOptions& common, app::Work& work);

@@ -1,7 +1,6 @@
 #include "report/hbFieldDifference.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -27,7 +26,6 @@ hbErrorStatistics inParts(std::int64_t count, const std::function<hbErrorStatist
 hbErrorStatistics hb::fieldVolumeDifference(const hbVolume& reference, const hbField& field, int component,
                                             std::optional<double> nonFinite, hbProgress& progress) {
   const hbSize3 size = reference.geometry().size;
-  assert(field.geometry().size == size);
   const hbGeometry& geometry = reference.geometry();
   const hbLatticeParts parts(geometry.cubeCoordinates(0), geometry.cubeCoordinates(1), geometry.cubeCoordinates(2));
   const hbValueMap map = field.valueMap();

@@ -15,8 +15,8 @@ namespace hb {
 
 /// The errors of a field against every sample of the volume it stands for, in true data values. NaN and infinite
 /// samples count as `nonFinite` where it is given. The field is asked for whole lattices, at the samples' exact places.
-/// Threads take parts (hbLatticeParts); the outcome does not depend on their number. `field.geometry()` must have the
-/// volume's sizes.
+/// Threads take parts (hbLatticeParts); the outcome does not depend on their number. The field may have other sizes
+/// than the volume: its cube is the volume's.
 hbErrorStatistics fieldVolumeDifference(const hbVolume& reference, const hbField& field, int component,
                                         std::optional<double> nonFinite = std::nullopt,
                                         hbProgress& progress = hbProgress::none());

@@ -59,7 +59,13 @@ const std::vector<Subcommand>& subcommands() {
        {"--json", "--component", "--points", "--out", "--fail-above"},
        {"diff", "field:ball", "field:ball", "--points", "0"},
        "--points",
-       {"diff", "none.exr", "field:ball"}}};
+       {"diff", "none.exr", "field:ball"}},
+      {"compare",
+       {"--out", "--levels", "--engines", "--modes", "--size", "--samples", "--sampling", "--repeat", "--restart",
+        "--max-error", "--max-seconds", "--max-bytes", "--transfer", "--component"},
+       {"compare", "field:ball", "--out", "x", "--levels", "7..5"},
+       "--levels",
+       {"compare", "none.nrrd", "--out", "x"}}};
   return list;
 }
 

@@ -3,8 +3,9 @@
 # Installs the build tree BUILD below WORK and uses the installed package from a project of its own.
 
 # A library needs none of those before it.
-set(libraries report raycast scene sparsegrid volume)
-set(needs_report raycast scene sparsegrid volume)
+set(libraries report glcombine raycast scene sparsegrid volume)
+set(needs_report glcombine raycast scene sparsegrid volume)
+set(needs_glcombine raycast scene sparsegrid volume)
 set(needs_raycast scene sparsegrid volume)
 set(needs_scene volume)
 set(needs_sparsegrid volume)

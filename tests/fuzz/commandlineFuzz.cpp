@@ -98,7 +98,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (argument.starts_with(hbCavitySpecification::kName))
       fuzz::allowErrors([&] { hbCavitySpecification::parse(argument); });
   constexpr std::string_view kCommands = "igcerpd";
-  constexpr Add kAdds[] = {addInfo, addGenerate, addCompress, addExtract, addRender, addProbe, addDiff};
+  constexpr Add kAdds[] = {addInfo, addGenerate, addCompress, addExtract, addRender, addProbe, addDiff, addCompare};
   fuzz::allowErrors([&] {
     if (const std::size_t command = kCommands.find(char(data[0])); command != std::string_view::npos)
       parseCommand(kAdds[command], arguments);

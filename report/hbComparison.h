@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "glcombine/hbRenderer.h"
+#include "scene/hbScene.h"
+
+/// What `hbvol compare` sets beside each other: sparse grids of several levels, drawn by several engines in several
+/// modes.
+struct hbComparison {
+  /// A way to make pictures of a sparse grid: an engine, and of OpenGL a form. Names: full, seminodal, direct,
+  /// combination, lattice, opengl (its form seminodal), opengl-fused, opengl-blend.
+  struct Engine {
+    std::string name;
+    hbEngine engine = hbEngine::seminodal;
+    hbOglRaycaster::Form form = hbOglRaycaster::Form::seminodal;
+    bool operator==(const Engine&) const = default;
+  };
+  /// All of them, in the order of reports.
+  static const std::vector<Engine>& allEngines();
+  /// The engine of that name; throws hbError for another one, naming those there are.
+  static Engine engineFromName(std::string_view name);
+
+  /// What is asked of a choice; none: a default of the volume's, see hb::recommendations().
+  struct Limits {
+    std::optional<double> maxError; ///< In data values.
+    std::optional<double> frameSeconds;
+    std::optional<double> bytes;
+  };
+
+  static constexpr int kFirstLevel = 5, kLastLevel = 8;
+
+  int firstLevel = kFirstLevel, lastLevel = kLastLevel; ///< 1 to hbIndexSet::kMaxLevel.
+  std::vector<Engine> engines{allEngines().begin(), allEngines().begin() + 6};
+  std::vector<hbMode> modes{hbMode::xray, hbMode::mip, hbMode::iso, hbMode::dvr}; ///< Not slices.
+  hbScene scene;   ///< Everything but the mode. `sampling.samples` must be given; labels and slices are not drawn.
+  int repeats = 5; ///< Frames timed of a case, after one to warm up; fewer where they would take over kMostSeconds.
+  bool withPeers = true;           ///< Other programs beside ours, where they are found (hbPeers).
+  bool restart = false;            ///< Begin anew in a folder that holds a comparison.
+  std::optional<double> nonFinite; ///< What NaN and infinite samples count as; none: they are refused.
+  int threads = 0;                 ///< For the record, and Mesa's; 0: one a core.
+  std::uint64_t memoryLimit = std::numeric_limits<std::uint64_t>::max(); ///< Bytes; cases that need more fail.
+  Limits limits;
+  std::string command; ///< For the record.
+  std::string version;
+
+  static constexpr double kMostSeconds = 10.0;
+
+  /// Throws hbError for levels, engines or modes that are none or out of range.
+  void validate() const;
+
+  /// What decides figures: a comparison with other settings cannot go on where this one stopped.
+  nlohmann::ordered_json settings() const;
+};

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "report/hbComparison.h"
+#include "report/hbComparisonChoices.h"
+#include "report/hbComparisonFolder.h"
+#include "report/hbComparisonSource.h"
+#include "report/hbReportJson.h"
+
+/// Carries out a comparison: every choice, drawn by every engine in every mode, each picture against the full grid's
+/// and, of an analytic field, against the field's own.
+///
+/// A case is measured as a user meets it: what is kept is read, the engine made, one frame drawn to warm up (with it
+/// the first picture is there), then frames are timed. A case that fails is reported as failed; the rest goes on. What
+/// was measured is kept in the folder at once, so that an interrupted comparison goes on where it stopped.
+class hbComparisonRun {
+public:
+  /// What a folder of this comparison is known by: its settings, the input, and the version of the program.
+  static hb::ReportJson identity(const hbComparisonSource& source, const hbComparison& what);
+
+  /// Keeps references. Completes the scene by the values of the full grid (camera, iso-value, transfer function).
+  hbComparisonRun(const hbComparisonSource& source, const hbComparison& what, hbComparisonFolder& folder);
+
+  /// Measures what is not yet known and gives the report, as doc/comparison.md describes it, without plots. Throws
+  /// hbCancelled, and hbError where the folder cannot be written.
+  hb::ReportJson run(hbProgress& progress);
+
+private:
+  using Json = hb::ReportJson;
+  struct Case;
+
+  std::vector<Case> casesOf(const hbComparisonChoice& choice) const;
+  void measure(const hbComparisonChoice& choice, const Case& one, hbProgress& progress);
+  Json measured(const hbComparisonChoice& choice, const Case& one, hbProgress& progress);
+  void compare(const hbPicture& picture, const Case& one, Json& record);
+  /// The picture that others in that mode are compared with, drawn once and kept in the folder.
+  const hbPicture& reference(hbMode mode, bool isTrue, hbProgress& progress);
+  hbScene sceneOf(hbMode mode) const;
+  hbPicture draw(const hbField& field, hbMode mode, hbProgress& progress) const;
+  Json assemble() const;
+
+  const hbComparisonSource& source_;
+  const hbComparison& what_;
+  hbComparisonFolder& folder_;
+  std::map<hbMode, hbScene> scenes_;
+  std::map<std::pair<hbMode, bool>, hbPicture> references_;
+  std::vector<Json> choices_, cases_;
+  std::string glRenderer_;
+};

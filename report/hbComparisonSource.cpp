@@ -1,0 +1,64 @@
+#include "report/hbComparisonSource.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "report/hbCoarseGrid.h"
+#include "report/hbFieldDifference.h"
+#include "volume/hbError.h"
+#include "volume/hbHistogram.h"
+#include "volume/hbSampleType.h"
+#include "volume/hbVolumeField.h"
+
+namespace {
+
+std::shared_ptr<const hbVolume> fullGrid(const hbInput& input, hbProgress& progress) {
+  if (input.volume) return input.volume;
+  const hbSize3 size = input.analytic->geometry().size;
+  return std::make_shared<const hbVolume>(
+      hbCoarseGrid::sample(*input.analytic, std::max({size.x, size.y, size.z}), progress));
+}
+
+} // namespace
+
+hbComparisonSource::hbComparisonSource(const Open& open, int component, std::optional<double> nonFinite,
+                                       hbProgress& progress)
+    : open_(open), nonFinite_(nonFinite), component_(component), input_(open()) {
+  if (input_.sparse) throw hbError(fmt::format("{}: expected a volume or a field, found a sparse grid", input_.name));
+  if (component_ >= input_.components())
+    throw hbError(fmt::format("{}: expected a component from 0 to {}, found {}", input_.name, input_.components() - 1,
+                              component_));
+  volume_ = fullGrid(input_, progress);
+  field_ = std::make_shared<const hbVolumeField>(*volume_, volume_->chooseValueMap(), nonFinite_);
+  const hbHistogram histogram = hb::calcHistograms(*volume_, 1, progress)[std::size_t(component_)];
+  if (histogram.nans + histogram.infinities > 0 && !nonFinite_)
+    throw hbError(fmt::format("{}: expected finite samples, found {} NaN and {} infinite ones; --nan-value V replaces "
+                              "them",
+                              input_.name, histogram.nans, histogram.infinities));
+  range_ = {histogram.min, histogram.max};
+}
+
+std::uint64_t hbComparisonSource::bytes() const {
+  return std::uint64_t(volume_->geometry().samples()) * std::uint64_t(volume_->components()) *
+         std::uint64_t(hb::sampleBytes(volume_->type()));
+}
+
+hbInput hbComparisonSource::load() const {
+  hbInput input = open_();
+  if (!input.volume) {
+    input.volume = fullGrid(input, hbProgress::none());
+    input.analytic = nullptr;
+  }
+  return input;
+}
+
+hbErrorStatistics hbComparisonSource::errors(const hbField& field, hbProgress& progress) const {
+  if (volume_->geometry().samples() > kMeasureAll)
+    return hb::fieldDifference(*field_, field, component_, kRandomPoints, progress);
+  return hb::fieldVolumeDifference(*volume_, field, component_, nonFinite_, progress);
+}
+
+hbErrorStatistics hbComparisonSource::trueErrors(const hbField& field, hbProgress& progress) const {
+  return hb::fieldDifference(*input_.analytic, field, component_, kRandomPoints, progress);
+}

@@ -1,0 +1,26 @@
+#include "report/hbReportJson.h"
+
+#include <cmath>
+
+hb::ReportJson hb::finiteOrNull(double value) { return std::isfinite(value) ? ReportJson(value) : ReportJson(); }
+
+hb::ReportJson hb::numberOrNull(const std::optional<double>& value) {
+  return value ? finiteOrNull(*value) : ReportJson();
+}
+
+hb::ReportJson hb::reportJson(const hbErrorStatistics& errors) {
+  return {
+      {"max", finiteOrNull(errors.max)}, {"rmse", finiteOrNull(errors.rmse())}, {"psnr", numberOrNull(errors.psnr())}};
+}
+
+hb::ReportJson hb::reportJson(const hbPictureDifference& errors) {
+  return {{"max", finiteOrNull(errors.max)},          {"rmse", finiteOrNull(errors.rmse)},
+          {"psnr", numberOrNull(errors.psnr)},        {"ssim", numberOrNull(errors.ssim)},
+          {"luv_mean", finiteOrNull(errors.luvMean)}, {"luv_max", finiteOrNull(errors.luvMax)}};
+}
+
+hb::ReportJson hb::reportJson(const hbMachine& machine) {
+  return {{"processor", machine.processor},      {"cores", machine.cores},
+          {"memory_bytes", machine.memoryBytes}, {"system", machine.system},
+          {"compiler", machine.compiler},        {"instruction_set", machine.instructionSet}};
+}

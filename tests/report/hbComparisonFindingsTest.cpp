@@ -1,0 +1,126 @@
+#include "report/hbComparisonFindings.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using Json = hb::ReportJson;
+
+Json choice(const std::string& key, const std::string& kind, Json level, double bytes, double max, double rmse) {
+  return {{"key", key},
+          {"kind", kind},
+          {"label", key},
+          {"level", std::move(level)},
+          {"status", "done"},
+          {"size", nullptr},
+          {"bytes", bytes},
+          {"bits_per_sample", bytes / 100.0},
+          {"values", {{"max", max}, {"rmse", rmse}, {"psnr", 1.0}}},
+          {"true_values", nullptr}};
+}
+
+Json drawn(const std::string& choice, const std::string& engine, double bytes, double seconds, double rmse) {
+  return {{"key", choice + "-" + engine + "-mip"},
+          {"choice", choice},
+          {"engine", engine},
+          {"mode", "mip"},
+          {"status", "done"},
+          {"compressed_bytes", bytes},
+          {"seconds_frame", {{"median", seconds}}},
+          {"picture", {{"rmse", rmse}, {"psnr", rmse == 0.0 ? Json() : Json(30.0)}}}};
+}
+
+/// The volume and two sparse grids; the finer one drawn by two engines, one of which is slower.
+Json report() {
+  Json failed = drawn("s6", "opengl", 200.0, 0.0, 0.0);
+  failed["status"] = "failed";
+  failed["picture"] = failed["seconds_frame"] = nullptr;
+  return {{"settings", {{"modes", {"mip"}}}},
+          {"input", {{"range", {0.0, 10.0}}, {"bytes_uncompressed", 20000}}},
+          {"choices",
+           {choice("original", "original", nullptr, 20000.0, 0.0, 0.0), choice("s5", "sparse", 5, 100.0, 0.5, 0.2),
+            choice("s6", "sparse", 6, 200.0, 0.09, 0.05)}},
+          {"cases",
+           {drawn("original", "full", 20000.0, 0.05, 0.0), drawn("s5", "lattice", 100.0, 0.01, 0.4),
+            drawn("s6", "lattice", 200.0, 0.02, 0.1), drawn("s6", "direct", 200.0, 0.3, 0.1), failed}}};
+}
+
+} // namespace
+
+TEST(hbComparisonFindings, MarksParetoFronts) {
+  Json r = report();
+  Json other = drawn("original", "vtk-cpu", 20000.0, 1e-9, 1e-9); // would beat all, if its errors were the same figures
+  other["image_only"] = true;
+  r["cases"].push_back(other);
+  hb::markParetoFronts(r);
+  const auto marks = [&](const char* name) {
+    std::vector<bool> list;
+    for (const Json& one : r["cases"]) list.push_back(one[name]);
+    return list;
+  };
+  EXPECT_EQ(marks("pareto_time"), (std::vector<bool>{true, true, true, false, false, false}));
+  EXPECT_EQ(marks("pareto_bytes"), (std::vector<bool>{true, true, true, true, false, false}));
+}
+
+TEST(hbComparisonFindings, OrdersOfConvergenceAreSlopes) {
+  Json r = report();
+  r["choices"][1]["true_values"] = {{"rmse", 8.0}};
+  r["choices"][2]["true_values"] = {{"rmse", 2.0}};
+  for (const std::int64_t nodes : {11, 31}) {
+    Json coarse = choice("c", "coarse", 5, 100.0, 0.5, nodes == 11 ? 0.9 : 0.1);
+    coarse["size"] = {nodes, 5, 3};
+    r["choices"].push_back(coarse);
+  }
+  hb::addConvergenceOrders(r);
+  EXPECT_TRUE(r["choices"][0]["order"].is_null());
+  EXPECT_TRUE(r["choices"][1]["order"].is_null());
+  EXPECT_DOUBLE_EQ(r["choices"][2]["order"].get<double>(), 2.0); // a quarter of the error at half the width
+  EXPECT_DOUBLE_EQ(r["choices"][2]["true_order"].get<double>(), 2.0);
+  EXPECT_TRUE(r["choices"][3]["order"].is_null());
+  EXPECT_DOUBLE_EQ(r["choices"][4]["order"].get<double>(), 2.0); // a ninth at a third
+  EXPECT_TRUE(r["choices"][4]["true_order"].is_null());
+}
+
+TEST(hbComparisonFindings, FailedAndExactChoicesHaveNoOrder) {
+  Json r = report();
+  r["choices"][1]["values"]["rmse"] = 0.0;
+  hb::addConvergenceOrders(r);
+  EXPECT_TRUE(r["choices"][2]["order"].is_null());
+  Json failed = report();
+  failed["choices"][1]["status"] = "failed";
+  failed["choices"][1].erase("values");
+  hb::addConvergenceOrders(failed);
+  EXPECT_TRUE(failed["choices"][2]["order"].is_null());
+}
+
+TEST(hbComparisonFindings, RecommendsByErrorTimeAndBytes) {
+  Json r = report();
+  hb::addRecommendations(r, {});
+  const Json& list = r["recommendations"];
+  ASSERT_EQ(list.size(), 3U);
+  EXPECT_EQ(list[0]["question"], "max error <= 0.1"); // 1 % of the range
+  EXPECT_EQ(list[0]["choice"], "s6");                 // s5 is off by more, the volume has more bytes
+  EXPECT_EQ(list[0]["answer"],
+            "s6: 200 bytes, 2 bits a sample, max error 0.09, RMSE 0.05; a frame: mip 20 ms by lattice");
+  EXPECT_EQ(list[1]["question"], "a frame of mip <= 100 ms");
+  EXPECT_EQ(list[1]["case"], "original-full-mip");
+  EXPECT_EQ(list[1]["answer"],
+            "original by full: 50 ms, 19.53 kB, picture exact; compressed, s6 by lattice: 20 ms, 200 bytes, "
+            "picture 30 dB");
+  EXPECT_EQ(list[2]["question"], "at most 200 bytes"); // 1 % of the volume
+  EXPECT_EQ(list[2]["choice"], "s6");
+}
+
+TEST(hbComparisonFindings, RecommendsByWhatIsAskedFor) {
+  Json r = report();
+  hb::addRecommendations(r, {0.6, 0.015, 150.0});
+  EXPECT_EQ(r["recommendations"][0]["choice"], "s5");
+  EXPECT_EQ(r["recommendations"][1]["case"], "s5-lattice-mip");
+  EXPECT_EQ(r["recommendations"][2]["choice"], "s5");
+  hb::addRecommendations(r, {std::nullopt, 0.001, 1.0});
+  EXPECT_TRUE(r["recommendations"][1]["case"].is_null());
+  EXPECT_EQ(r["recommendations"][1]["answer"], "none of these");
+  EXPECT_TRUE(r["recommendations"][2]["choice"].is_null());
+}

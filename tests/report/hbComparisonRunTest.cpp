@@ -1,0 +1,223 @@
+#include "report/hbComparisonRun.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "raycast/hbNominalSamples.h"
+#include "raycast/hbRaycaster.h"
+#include "report/hbPictureDifference.h"
+#include "scene/hbPictureFile.h"
+#include "sparsegrid/hbSparseGridFile.h"
+#include "tests/report/hbTestVolumes.h"
+#include "tests/volume/hbTestFiles.h"
+#include "volume/hbError.h"
+#include "volume/hbVolumeField.h"
+
+namespace {
+
+using Json = hb::ReportJson;
+
+/// Cancels itself after so many cases.
+class Cancelling final : public hbProgress {
+public:
+  explicit Cancelling(std::int64_t cases) : cases_(cases) {}
+
+protected:
+  void show(std::int64_t done, std::int64_t) override {
+    if (done >= cases_) cancel();
+  }
+
+private:
+  std::int64_t cases_;
+};
+
+} // namespace
+
+class hbComparisonRunTest : public ::testing::Test {
+protected:
+  hbComparisonRunTest() {
+    what_.firstLevel = 2;
+    what_.lastLevel = 3;
+    what_.engines = {hbComparison::engineFromName("seminodal"), hbComparison::engineFromName("direct")};
+    what_.modes = {hbMode::xray, hbMode::iso};
+    what_.scene.width = what_.scene.height = 12;
+    what_.scene.sampling = {hbSampling::Kind::planewise, 8};
+    what_.scene.isoValue = 3.0;
+    what_.repeats = 2;
+    what_.version = "1.2.3";
+  }
+
+  hbInput field() const { return hbInput::open(name_, {}); }
+
+  Json run(hbProgress& progress = hbProgress::none()) {
+    const hbComparisonSource source([this] { return field(); }, 0, std::nullopt);
+    hbComparisonFolder folder(folder_ / "out", hbComparisonRun::identity(source, what_), false);
+    return hbComparisonRun(source, what_, folder).run(progress);
+  }
+
+  static const Json& named(const Json& list, const std::string& key) {
+    for (const Json& one : list)
+      if (one["key"] == key) return one;
+    throw std::out_of_range(key);
+  }
+
+  hbTestFolder folder_;
+  std::string name_ = "field:hydrogen,size=9";
+  hbComparison what_;
+};
+
+TEST_F(hbComparisonRunTest, MeasuresEveryChoiceByEveryEngineInEveryMode) {
+  const Json report = run();
+  std::vector<std::string> choices, cases;
+  for (const Json& one : report["choices"]) choices.push_back(one["key"]);
+  for (const Json& one : report["cases"]) cases.push_back(one["key"]);
+  EXPECT_EQ(choices, (std::vector<std::string>{"original", "sparse-2", "coarse-2", "sparse-3", "coarse-3"}));
+  EXPECT_EQ(cases, (std::vector<std::string>{"original-full-xray", "original-full-iso", "sparse-2-seminodal-xray",
+                                             "sparse-2-seminodal-iso", "sparse-2-direct-xray", "sparse-2-direct-iso",
+                                             "coarse-2-full-xray", "coarse-2-full-iso", "sparse-3-seminodal-xray",
+                                             "sparse-3-seminodal-iso", "sparse-3-direct-xray", "sparse-3-direct-iso",
+                                             "coarse-3-full-xray", "coarse-3-full-iso"}));
+  for (const Json& one : report["cases"]) {
+    EXPECT_EQ(one["status"], "done") << one;
+    EXPECT_LE(one["seconds_frame"]["min"], one["seconds_frame"]["median"]);
+    EXPECT_LE(one["seconds_frame"]["median"], one["seconds_frame"]["max"]);
+    EXPECT_EQ(one["seconds_frame"]["repeats"], 2);
+    EXPECT_GE(one["seconds_first_picture"], one["seconds_build"]);
+    for (const char* image : {"image", "difference"})
+      EXPECT_EQ(hb::readPng(folder_ / "out" / one[image].get<std::string>()).width, 12) << one[image];
+  }
+  EXPECT_EQ(report["version"], "1.2.3");
+  EXPECT_EQ(report["runs"], 1);
+  EXPECT_EQ(report["input"]["size"], (Json{9, 9, 9}));
+  EXPECT_EQ(report["input"]["bytes_uncompressed"], 9 * 9 * 9 * 4);
+  EXPECT_EQ(report["settings"]["levels"], (Json{2, 3}));
+}
+
+TEST_F(hbComparisonRunTest, FiguresAreThoseOfTheFilesAndPicturesThemselves) {
+  const Json report = run();
+  const hbInput input = field();
+  std::vector<float> samples;
+  for (int z = 0; z < 9; ++z)
+    for (int y = 0; y < 9; ++y)
+      for (int x = 0; x < 9; ++x) samples.push_back(float(input.analytic->value({x / 8.0, y / 8.0, z / 8.0})));
+  const hbVolume full = hbVolume::fromSamples(input.geometry(), std::move(samples));
+  const std::filesystem::path file = folder_ / "out" / "choices" / "sparse-3.hbv";
+  const hbInput sparse = hbInput::open(file.string(), {});
+  const hbSparseGrid& grid = sparse.sparse->grid;
+
+  const Json& choice = named(report["choices"], "sparse-3");
+  EXPECT_EQ(choice["bytes"], std::filesystem::file_size(file));
+  EXPECT_DOUBLE_EQ(choice["bits_per_sample"].get<double>(), 8.0 * double(std::filesystem::file_size(file)) / 729.0);
+  EXPECT_EQ(choice["stored_values"], grid.indexSet().storedValues());
+  hbErrorStatistics errors;
+  const double largest = 100.0; // of the field: the density's greatest value is 95
+  for (int z = 0; z < 9; ++z)
+    for (int y = 0; y < 9; ++y)
+      for (int x = 0; x < 9; ++x) errors.add(full.value(x, y, z), grid.calcValue({x / 8.0, y / 8.0, z / 8.0}, 0));
+  // A lattice of a small grid in 32 bits is off by less than 2^-16 of the largest value.
+  EXPECT_NEAR(choice["values"]["max"].get<double>(), errors.max, largest * 0x1p-16);
+  EXPECT_NEAR(choice["values"]["rmse"].get<double>(), errors.rmse(), largest * 0x1p-16);
+  EXPECT_GT(choice["true_values"]["rmse"], 0.0);
+
+  hbScene scene = what_.scene;
+  scene.camera = scene.cameraFor(full.geometry());
+  const hbVolumeField reference(full);
+  const auto seminodal = sparse.field(hbEngine::seminodal);
+  const Json& one = named(report["cases"], "sparse-3-seminodal-iso");
+  scene.mode = hbMode::iso;
+  const hbPicture expected = hbRaycaster(reference, scene).render(), found = hbRaycaster(*seminodal, scene).render();
+  EXPECT_EQ(one["picture"], hb::reportJson(hb::pictureDifference(expected, found)));
+  const hbPicture truth = hbRaycaster(*input.analytic, scene).render();
+  EXPECT_EQ(one["true_picture"], hb::reportJson(hb::pictureDifference(truth, found)));
+  EXPECT_DOUBLE_EQ(one["samples"].get<double>(), hb::nominalSamples(full.geometry(), scene));
+  EXPECT_DOUBLE_EQ(one["samples_per_second"].get<double>() * one["seconds_frame"]["median"].get<double>(),
+                   one["samples"].get<double>());
+  EXPECT_EQ(one["compressed_bytes"], choice["bytes"]);
+  EXPECT_EQ(named(report["cases"], "original-full-xray")["picture"]["max"], 0.0);
+  // The baseline takes no more than the sparse grid.
+  EXPECT_LE(named(report["choices"], "coarse-3")["bytes"], choice["bytes"]);
+}
+
+TEST_F(hbComparisonRunTest, GoesOnWhereItWasInterrupted) {
+  Cancelling progress(5);
+  EXPECT_THROW(run(progress), hbCancelled);
+  const Json report = run();
+  ASSERT_EQ(report["cases"].size(), 14U);
+  EXPECT_EQ(report["runs"], 2);
+  for (std::size_t i = 0; i < 14; ++i) EXPECT_EQ(report["cases"][i]["run"], i < 5 ? 1 : 2) << i;
+  // With nothing left to measure, everything comes from the folder.
+  const Json again = run();
+  EXPECT_EQ(again["cases"], report["cases"]);
+  EXPECT_EQ(again["choices"], report["choices"]);
+  EXPECT_EQ(again["runs"], 2);
+}
+
+TEST_F(hbComparisonRunTest, WhatFailsIsReportedAndTriedAgain) {
+  // `full` extracts 33^3 floats first, and the volume itself takes as much; the other forms do not.
+  name_ = "field:hydrogen,size=33";
+  what_.engines.push_back(hbComparison::engineFromName("full"));
+  what_.modes = {hbMode::mip};
+  what_.memoryLimit = 100000;
+  const Json report = run();
+  const Json& failed = named(report["cases"], "sparse-3-full-mip");
+  EXPECT_EQ(failed["status"], "failed");
+  EXPECT_NE(failed["error"].get<std::string>().find("memory limit"), std::string::npos) << failed;
+  EXPECT_EQ(named(report["cases"], "original-full-mip")["status"], "failed");
+  EXPECT_EQ(named(report["cases"], "sparse-3-seminodal-mip")["status"], "done");
+  EXPECT_EQ(named(report["cases"], "coarse-3-full-mip")["status"], "done");
+
+  what_.memoryLimit = 1U << 30U;
+  const Json again = run();
+  EXPECT_EQ(named(again["cases"], "sparse-3-full-mip")["status"], "done");
+  EXPECT_EQ(named(again["cases"], "sparse-3-full-mip")["run"], 2);
+  EXPECT_EQ(named(again["cases"], "sparse-3-seminodal-mip")["run"], 1);
+}
+
+TEST_F(hbComparisonRunTest, TakesVolumesAndTheirComponents) {
+  hbInput input;
+  input.name = "noise";
+  input.volume = std::make_shared<const hbVolume>(volumeOf({7, 6, 5}, 3, 2));
+  what_.scene.component = 1;
+  what_.scene.isoValue.reset();
+  what_.modes = {hbMode::mip, hbMode::dvr};
+  const hbComparisonSource source([&] { return input; }, 1, std::nullopt);
+  hbComparisonFolder folder(folder_ / "noise", hbComparisonRun::identity(source, what_), false);
+  const Json report = hbComparisonRun(source, what_, folder).run(hbProgress::none());
+  for (const Json& one : report["cases"]) EXPECT_EQ(one["status"], "done") << one;
+  EXPECT_TRUE(report["choices"][1]["true_values"].is_null());
+  EXPECT_TRUE(report["cases"][3]["true_picture"].is_null());
+  EXPECT_EQ(report["input"]["representation"], "volume");
+  EXPECT_EQ(report["input"]["component"], 1);
+}
+
+TEST(hbComparisonSource, RefusesWhatCannotBeCompared) {
+  const auto grid = [] {
+    hbInput input;
+    input.name = "grid";
+    input.sparse = std::make_shared<const hbSparseGridFile>(
+        hbSparseGridFile{hbSparseGrid::interpolate(hbVolumeField(volumeOf({3, 3, 3}, 1)), hbIndexSet::regular(1, {}),
+                                                   hbLatticeMapping::fitted),
+                         {},
+                         {},
+                         {},
+                         {}});
+    return input;
+  };
+  EXPECT_THROW(hbComparisonSource(grid, 0, std::nullopt), hbError);
+  const auto volume = [] {
+    hbInput input;
+    input.name = "holes";
+    hbGeometry geometry;
+    geometry.size = {2, 2, 1};
+    input.volume = std::make_shared<const hbVolume>(
+        hbVolume::fromSamples<float>(geometry, {1.0F, std::numeric_limits<float>::quiet_NaN(), 3.0F, 4.0F}));
+    return input;
+  };
+  EXPECT_THROW(hbComparisonSource(volume, 0, std::nullopt), hbError);
+  EXPECT_THROW(hbComparisonSource(volume, 1, 0.0), hbError);
+  const hbComparisonSource source(volume, 0, 0.0);
+  EXPECT_EQ(source.errors(source.field(), hbProgress::none()).max, 0.0);
+}
