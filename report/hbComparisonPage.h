@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+
+#include <nlohmann/json_fwd.hpp>
+
+/// A comparison's report for people. Not installed: it shows nlohmann-json.
+namespace hb {
+
+/// Writes folder/index.html: one page to be read from top to bottom, with everything in it (pictures and plots, which
+/// are read from where the report says they are in the folder, styles; no scripts), and below 10 MB.
+///
+/// It is HTML5 and well-formed XML. Every figure and name out of the report is marked with the JSON pointer to its
+/// place there, and no other figure stands in the text. Where the pictures of all choices are too large together, the
+/// last ones and their differences are named instead of shown. Throws hbError where a picture or plot cannot be read or
+/// the page not be written.
+void writeComparisonPage(const nlohmann::ordered_json& report, const std::filesystem::path& folder);
+
+} // namespace hb
