@@ -13,9 +13,13 @@
 #include "report/hbComparison.h"
 #include "report/hbComparisonFindings.h"
 #include "report/hbComparisonFolder.h"
+#include "report/hbComparisonPage.h"
+#include "report/hbComparisonPlots.h"
 #include "report/hbComparisonRun.h"
 #include "report/hbComparisonSource.h"
+#include "report/hbComparisonTable.h"
 #include "sparsegrid/hbIndexSet.h"
+#include "volume/hbError.h"
 
 namespace {
 
@@ -78,7 +82,18 @@ void run(Options& options, const app::CommonOptions& common) {
   hb::markParetoFronts(report);
   hb::addConvergenceOrders(report);
   hb::addRecommendations(report, what.limits);
+  app::progress().begin("drawing plots", 1, "page");
+  try {
+    hb::makeComparisonPlots(report, folder.path(), app::progress());
+  } catch (const hbCancelled&) {
+    throw;
+  } catch (const hbError& error) {
+    app::clearProgress();
+    fmt::print(stderr, "hbvol: warning: the page has no plots: {}\n", error.what());
+  }
   hb::writeJson(report, folder.path() / "report.json");
+  hb::writeComparisonTable(report, folder.path() / "report.csv");
+  hb::writeComparisonPage(report, folder.path());
   app::clearProgress();
   print(report, options.out);
   common.writeStats(report);

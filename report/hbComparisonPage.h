@@ -4,7 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-/// A comparison's report for people. Not installed: it shows nlohmann-json.
+/// A comparison's report for people.
 namespace hb {
 
 /// Writes folder/index.html: one page to be read from top to bottom, with everything in it (pictures and plots, which

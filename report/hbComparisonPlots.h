@@ -6,7 +6,7 @@
 
 #include "volume/hbProgress.h"
 
-/// A comparison's report in plots. Not installed: it shows nlohmann-json.
+/// A comparison's report in plots.
 namespace hb {
 
 /// Draws the report's plots as SVG into folder/plots, which is made, and notes them as paths relative to the folder:

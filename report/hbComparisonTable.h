@@ -5,7 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-/// A comparison's report as a table for spreadsheets and scripts. Not installed: it shows nlohmann-json.
+/// A comparison's report as a table for spreadsheets and scripts.
 namespace hb {
 
 /// The report's cases as CSV after RFC 4180 (lines end in CR LF): a header, then a row a case, in the report's order.
