@@ -81,7 +81,7 @@ void onInterrupt(int) {
   active->cancel();
   ::signal(SIGALRM, [](int) {
     hb::removeTemporaryFiles();
-    constexpr char kText[] = "\nhbvol: error: interrupted; nothing was written\n";
+    constexpr char kText[] = "\nhbvol: error: interrupted; nothing half-written is left\n";
     const std::size_t skip = onTerminal ? 0 : 1; // the line feed ends a progress bar
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText + skip, sizeof(kText) - 1 - skip);
     ::_exit(1);

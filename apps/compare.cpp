@@ -68,17 +68,25 @@ void print(const nlohmann::ordered_json& report, const std::string& out) {
   fmt::print("\n{}\n", (std::filesystem::path(out) / "index.html").string());
 }
 
+nlohmann::ordered_json measure(const hbComparisonSource& source, const hbComparison& what, hbComparisonFolder& folder) {
+  try {
+    return hbComparisonRun(source, what, folder).run(app::progress());
+  } catch (const hbCancelled&) {
+    throw hbCancelled(fmt::format("interrupted; what was measured is kept in {}, where the same command goes on",
+                                  folder.path().string()));
+  }
+}
+
 void run(Options& options, const app::CommonOptions& common) {
   hbComparison& what = options.what;
   const auto open = [&] { return options.input.open(common, app::progress()); };
-  const hbComparisonSource source(open, what.scene.component, what.nonFinite, app::progress());
+  const hbComparisonSource source(open, what.scene.component, what.nonFinite, what.memoryLimit, app::progress());
   const int component = what.scene.component;
   what.scene = options.scene.scene(source.volume().geometry());
   what.scene.component = component;
   what.validate();
   hbComparisonFolder folder(options.out, hbComparisonRun::identity(source, what), what.restart);
-  hbComparisonRun comparison(source, what, folder);
-  nlohmann::ordered_json report = comparison.run(app::progress());
+  nlohmann::ordered_json report = measure(source, what, folder);
   hb::markParetoFronts(report);
   hb::addConvergenceOrders(report);
   hb::addRecommendations(report, what.limits);

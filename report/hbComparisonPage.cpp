@@ -57,6 +57,7 @@ code { font: 13px/1.5 'DejaVu Sans Mono', monospace; overflow-wrap: anywhere; }
   nav { display: none; }
   .wide { overflow: visible; }
   table { font-size: 8px; }
+  .mark { font-size: 7px; padding: 0 3px; }
   th, td { padding: 1px 4px; }
   tr.choice th, tr.front, .mark { print-color-adjust: exact; }
 }

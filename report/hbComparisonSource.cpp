@@ -23,12 +23,16 @@ std::shared_ptr<const hbVolume> fullGrid(const hbInput& input, hbProgress& progr
 } // namespace
 
 hbComparisonSource::hbComparisonSource(const Open& open, int component, std::optional<double> nonFinite,
-                                       hbProgress& progress)
+                                       std::uint64_t memoryLimit, hbProgress& progress)
     : open_(open), nonFinite_(nonFinite), component_(component), input_(open()) {
   if (input_.sparse) throw hbError(fmt::format("{}: expected a volume or a field, found a sparse grid", input_.name));
   if (component_ >= input_.components())
     throw hbError(fmt::format("{}: expected a component from 0 to {}, found {}", input_.name, input_.components() - 1,
                               component_));
+  const double sampled = input_.analytic ? 4.0 * double(input_.geometry().samples()) : 0.0;
+  if (sampled > double(memoryLimit))
+    throw hbError(fmt::format("{}: its full grid needs {:.3g} MB, more than the memory limit of {:.3g} MB", input_.name,
+                              sampled / 0x1p20, double(memoryLimit) / 0x1p20));
   volume_ = fullGrid(input_, progress);
   field_ = std::make_shared<const hbVolumeField>(*volume_, volume_->chooseValueMap(), nonFinite_);
   const hbHistogram histogram = hb::calcHistograms(*volume_, 1, progress)[std::size_t(component_)];

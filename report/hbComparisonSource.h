@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -15,8 +17,10 @@ public:
 
   /// `open` opens the input anew, as often as it is asked. An analytic field's full grid is sampled here, with its
   /// nominal sizes. NaN and infinite samples count as `nonFinite`. Throws hbError for sparse grids, where the component
-  /// is not there, and for samples that are not finite and have nothing to count as.
+  /// is not there, for samples that are not finite and have nothing to count as, and for a full grid to be sampled
+  /// that takes more than `memoryLimit` bytes.
   hbComparisonSource(const Open& open, int component, std::optional<double> nonFinite,
+                     std::uint64_t memoryLimit = std::numeric_limits<std::uint64_t>::max(),
                      hbProgress& progress = hbProgress::none());
 
   const hbInput& input() const { return input_; }

@@ -85,15 +85,15 @@ std::string hbPlot::svg(const hbExternalProgram& gnuplot, hbProgress& progress) 
 
   const int rows = (count + kLegendColumns - 1) / kLegendColumns;
   const std::string script =
-      fmt::format(
-          "set terminal svg size {},{} font 'sans-serif,13' noenhanced background '#ffffff'\n"
-          "set encoding utf8\n"
-          "set title {}\nset xlabel {} offset 0,0.9\nset ylabel {}\n"
-          "set border 3 lc rgb '#555555'\nset tics nomirror out scale 0.5 textcolor rgb '#222222'\n"
-          "set grid xtics ytics lc rgb '#dddddd' lt 1 lw 1\n"
-          "set xtics offset 0,0.4\n"
-          "set key outside below center horizontal Left reverse samplen 2.5 maxcols {} textcolor rgb '#222222'\n",
-          kWidth, kHeight + kLegendRow * rows, quoted(title), quoted(xLabel), quoted(yLabel), kLegendColumns) +
+      fmt::format("set terminal svg size {},{} font 'sans-serif,13' noenhanced background '#ffffff'\n"
+                  "set encoding utf8\n"
+                  "set title {}\nset xlabel {} offset 0,1.2\nset ylabel {}\n"
+                  "set border 3 lc rgb '#555555'\nset tics nomirror out scale 0.5 textcolor rgb '#222222'\n"
+                  "set grid xtics ytics lc rgb '#dddddd' lt 1 lw 1\n"
+                  "set xtics offset 0,0.5\n"
+                  "set key outside below center horizontal Left reverse samplen 2.5 height 0.8 maxcols {} textcolor "
+                  "rgb '#222222'\n",
+                  kWidth, kHeight + kLegendRow * rows, quoted(title), quoted(xLabel), quoted(yLabel), kLegendColumns) +
       (logX ? logarithmic('x', x) : integral('x', xs)) + logarithmic('y', y) + data + "plot " + curves + "\n";
   return gnuplot.output({"--default-settings", "-"}, script, progress);
 }

@@ -12,8 +12,9 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// Thrown by long work whose hbProgress was cancelled. Nothing that the work wrote remains.
+/// Thrown by long work whose hbProgress was cancelled. Nothing that the work wrote remains, unless the text says so.
 class hbCancelled : public hbError {
 public:
   hbCancelled() : hbError("interrupted; nothing was written") {}
+  explicit hbCancelled(const std::string& text) : hbError(text) {}
 };

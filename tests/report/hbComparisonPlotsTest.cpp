@@ -79,6 +79,10 @@ TEST(hbComparisonPlots, makesAllPlotsOfAReport) {
   EXPECT_EQ(points(svg), 8 + 5);
   EXPECT_EQ(count(svg, ">Pareto front</text>"), 1);
   EXPECT_EQ(count(svg, ">0</text>"), 1); // pictures without an error
+  EXPECT_EQ(points(textOf(folder / "plots/error-bytes-mip.svg")), 8 + 4);
+  // Without a level: at both ends. zfp has one level only.
+  EXPECT_EQ(points(textOf(folder / "plots/time-level-mip.svg")), 2 + 2 + 2 + 2 + 1 + 5);
+  EXPECT_EQ(points(textOf(folder / "plots/convergence-values.svg")), 2 + 2 + 1 + 3);
 }
 
 TEST(hbComparisonPlots, theTrueFieldHasItsOwnConvergence) {

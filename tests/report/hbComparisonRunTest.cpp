@@ -193,6 +193,12 @@ TEST_F(hbComparisonRunTest, TakesVolumesAndTheirComponents) {
   EXPECT_EQ(report["input"]["component"], 1);
 }
 
+TEST(hbComparisonSource, ChecksTheMemoryOfAFullGrid) {
+  const auto field = [] { return hbInput::open("field:hydrogen,size=33", {}); };
+  EXPECT_THROW(hbComparisonSource(field, 0, std::nullopt, 4 * 33 * 33 * 33 - 1), hbError);
+  EXPECT_EQ(hbComparisonSource(field, 0, std::nullopt, 4 * 33 * 33 * 33).bytes(), 4U * 33U * 33U * 33U);
+}
+
 TEST(hbComparisonSource, RefusesWhatCannotBeCompared) {
   const auto grid = [] {
     hbInput input;
