@@ -29,16 +29,11 @@ void compositeEverywhere(benchmark::State& state) { picture(state, hbMode::dvr, 
 void compositeShaded(benchmark::State& state) { picture(state, hbMode::dvr, false, true); }
 void compositeSlabs(benchmark::State& state) { picture(state, hbMode::dvr, false, false, true); }
 
-void views(benchmark::internal::Benchmark* b) {
-  b->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
-  b->ArgNames({"size", "oblique"})->ArgsProduct({{129, 257}, {0, 1}});
-}
-
 } // namespace
 
-BENCHMARK(xray)->Name("raycast/xray")->Apply(views);
-BENCHMARK(mip)->Name("raycast/mip")->Apply(views);
-BENCHMARK(composite)->Name("raycast/composite")->Apply(views);
-BENCHMARK(compositeEverywhere)->Name("raycast/composite-everywhere")->Apply(views);
-BENCHMARK(compositeShaded)->Name("raycast/composite-shaded")->Apply(views);
-BENCHMARK(compositeSlabs)->Name("raycast/composite-preintegrated")->Apply(views);
+BENCHMARK(xray)->Name("raycast/xray")->Apply(bench::views);
+BENCHMARK(mip)->Name("raycast/mip")->Apply(bench::views);
+BENCHMARK(composite)->Name("raycast/composite")->Apply(bench::views);
+BENCHMARK(compositeEverywhere)->Name("raycast/composite-everywhere")->Apply(bench::views);
+BENCHMARK(compositeShaded)->Name("raycast/composite-shaded")->Apply(bench::views);
+BENCHMARK(compositeSlabs)->Name("raycast/composite-preintegrated")->Apply(bench::views);

@@ -31,3 +31,8 @@ hbTransferFunction bench::transfer(const hbGeometry& geometry, bool everywhere) 
   definition.unitLength = geometry.spacing.x;
   return hbTransferFunction(definition);
 }
+
+void bench::views(benchmark::internal::Benchmark* b) {
+  b->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+  b->ArgNames({"size", "oblique"})->ArgsProduct({{129, 257}, {0, 1}});
+}

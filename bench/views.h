@@ -1,5 +1,7 @@
 #pragma once
 
+#include <benchmark/benchmark.h>
+
 #include "scene/hbScene.h"
 #include "volume/hbGeometry.h"
 
@@ -17,5 +19,8 @@ double nominalSamples(const hbGeometry& geometry, const hbScene& scene);
 /// below 2, from 40 on half of the light goes through a voxel. With `everywhere` all values are seen, and faintly, so
 /// that no ray ends early.
 hbTransferFunction transfer(const hbGeometry& geometry, bool everywhere);
+
+/// The arguments of a benchmark of pictures, samples an axis and whether oblique, and its unit: process CPU time.
+void views(benchmark::internal::Benchmark* b);
 
 } // namespace bench

@@ -126,20 +126,15 @@ void gpuMip(benchmark::State& state) { picture(state, onGpu, vtkVolumeMapper::MA
 void gpuComposite(benchmark::State& state) { picture(state, onGpu, kComposite); }
 void gpuLit(benchmark::State& state) { picture(state, onGpu, kComposite, false, true); }
 
-void views(benchmark::internal::Benchmark* b) {
-  b->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
-  b->ArgNames({"size", "oblique"})->ArgsProduct({{129, 257}, {0, 1}});
-}
-
 } // namespace
 
-BENCHMARK(cpuMip)->Name("vtk-cpu/mip")->Apply(views);
-BENCHMARK(cpuComposite)->Name("vtk-cpu/composite")->Apply(views);
-BENCHMARK(cpuEverywhere)->Name("vtk-cpu/composite-everywhere")->Apply(views);
-BENCHMARK(cpuLit)->Name("vtk-cpu/composite-shaded")->Apply(views);
-BENCHMARK(gpuXray)->Name("vtk-gpu/xray")->Apply(views);
-BENCHMARK(gpuMip)->Name("vtk-gpu/mip")->Apply(views);
-BENCHMARK(gpuComposite)->Name("vtk-gpu/composite")->Apply(views);
-BENCHMARK(gpuLit)->Name("vtk-gpu/composite-shaded")->Apply(views);
+BENCHMARK(cpuMip)->Name("vtk-cpu/mip")->Apply(bench::views);
+BENCHMARK(cpuComposite)->Name("vtk-cpu/composite")->Apply(bench::views);
+BENCHMARK(cpuEverywhere)->Name("vtk-cpu/composite-everywhere")->Apply(bench::views);
+BENCHMARK(cpuLit)->Name("vtk-cpu/composite-shaded")->Apply(bench::views);
+BENCHMARK(gpuXray)->Name("vtk-gpu/xray")->Apply(bench::views);
+BENCHMARK(gpuMip)->Name("vtk-gpu/mip")->Apply(bench::views);
+BENCHMARK(gpuComposite)->Name("vtk-gpu/composite")->Apply(bench::views);
+BENCHMARK(gpuLit)->Name("vtk-gpu/composite-shaded")->Apply(bench::views);
 
 BENCHMARK_MAIN();
