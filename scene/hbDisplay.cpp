@@ -125,7 +125,7 @@ hbImage8 hb::displayImage(const hbPicture& picture, const hbScene& scene) {
 
 hbImage8 hb::displayImage(const hbPicture& picture, const hbScene& scene, const std::pair<double, double>& window) {
   const auto& values = checkedY(picture);
-  const glm::dvec3 backdrop = scene.background.value_or(kBackground);
+  const glm::dvec3 backdrop = backgroundColour(scene);
   const auto light = lightOf(picture);
   if (scene.mode == hbMode::dvr && std::find(light.begin(), light.end(), nullptr) == light.end())
     return compositedImage(picture, backdrop);
@@ -159,6 +159,8 @@ hbImage8 hb::absoluteDifferenceImage(const hbPicture& a, const hbPicture& b, std
 hbImage8 hb::signedDifferenceImage(const hbPicture& a, const hbPicture& b, std::optional<double> limit) {
   return differenceImage(a, b, limit, true);
 }
+
+glm::dvec3 hb::backgroundColour(const hbScene& scene) { return scene.background.value_or(kBackground); }
 
 hbImage8 hb::sideBySide(std::span<const hbImage8> images, int gap) {
   if (images.empty() || gap < 0)

@@ -36,6 +36,9 @@ hbImage8 absoluteDifferenceImage(const hbPicture& a, const hbPicture& b, std::op
 /// The same for a - b through the map coolwarm, -limit to limit: warm where a is greater.
 hbImage8 signedDifferenceImage(const hbPicture& a, const hbPicture& b, std::optional<double> limit = std::nullopt);
 
+/// What the scene shows where there is nothing, in coded sRGB.
+glm::dvec3 backgroundColour(const hbScene& scene);
+
 /// The images in a row from left to right, `gap` pixels of background between them, tops aligned. Throws hbError for
 /// no images, a negative gap, or a result wider than hbScene::kMaxPictureSide.
 hbImage8 sideBySide(std::span<const hbImage8> images, int gap = 8);

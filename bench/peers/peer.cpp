@@ -11,9 +11,8 @@ namespace {
 
 constexpr int kFailed = 1, kWrongUsage = 2, kRefused = 3;
 
-int fail(std::string_view name, std::string text, int status) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  fmt::print(stderr, "{}: {}\n", name, text);
+int fail(std::string_view name, const std::string& text, int status) {
+  fmt::print(stderr, "{}: {}\n", name, peer::oneLine(text));
   return status;
 }
 
@@ -35,6 +34,11 @@ int peer::run(int count, char** arguments, std::string_view name, std::string_vi
   } catch (const std::exception& error) {
     return fail(name, error.what(), kFailed);
   }
+}
+
+std::string peer::oneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text.erase(text.find_last_not_of(' ') + 1); // npos + 1 is 0
 }
 
 std::uint64_t peer::wholeNumber(std::string_view text, const std::string& what, std::uint64_t least,

@@ -24,6 +24,9 @@ public:
 int run(int count, char** arguments, std::string_view name, std::string_view version, std::string_view usage,
         const std::function<nlohmann::ordered_json(char** arguments)>& work);
 
+/// The text without line feeds, nor blanks at its end.
+std::string oneLine(std::string text);
+
 /// The whole number that `text` is, in [least, most]; throws hbError beginning with `what` for anything else.
 std::uint64_t wholeNumber(std::string_view text, const std::string& what, std::uint64_t least, std::uint64_t most);
 

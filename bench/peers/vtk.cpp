@@ -6,48 +6,18 @@
 // no X-ray: its additive mode composites.
 
 #include <benchmark/benchmark.h>
-#include <vtkCamera.h>
 #include <vtkColorTransferFunction.h>
-#include <vtkFixedPointVolumeRayCastMapper.h>
-#include <vtkFloatArray.h>
-#include <vtkGPUVolumeRayCastMapper.h>
-#include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPiecewiseFunction.h>
-#include <vtkPointData.h>
-#include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkVolume.h>
 #include <vtkVolumeMapper.h>
-#include <vtkVolumeProperty.h>
 
 #include "bench/fields.h"
+#include "bench/peers/vtkParts.h"
 #include "bench/views.h"
 
 namespace {
-
-vtkNew<vtkImageData> imageOf(const hbVolume& volume) {
-  const hbGeometry& geometry = volume.geometry();
-  const hbSize3 size = geometry.size;
-  vtkNew<vtkFloatArray> samples;
-  samples->SetArray(const_cast<float*>(reinterpret_cast<const float*>(volume.data())), size.x * size.y * size.z, 1);
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(int(size.x), int(size.y), int(size.z));
-  image->SetSpacing(geometry.spacing.x, geometry.spacing.y, geometry.spacing.z);
-  image->SetOrigin(geometry.origin.x, geometry.origin.y, geometry.origin.z);
-  image->GetPointData()->SetScalars(samples);
-  return image;
-}
-
-/// As hbvol lights: a white light where the viewer is.
-void light(vtkVolumeProperty& property) {
-  const hbShading shading;
-  property.ShadeOn();
-  property.SetAmbient(shading.ambient);
-  property.SetDiffuse(shading.diffuse);
-  property.SetSpecular(shading.specular);
-  property.SetSpecularPower(shading.shininess);
-}
 
 void set(vtkVolumeProperty& property, const hbTransferFunction& function) {
   vtkNew<vtkColorTransferFunction> colours;
@@ -61,50 +31,25 @@ void set(vtkVolumeProperty& property, const hbTransferFunction& function) {
   property.SetInterpolationTypeToLinear();
 }
 
-void look(vtkCamera& camera, const hbCamera& from) {
-  camera.SetPosition(from.position.x, from.position.y, from.position.z);
-  camera.SetFocalPoint(from.target.x, from.target.y, from.target.z);
-  camera.SetViewUp(from.up.x, from.up.y, from.up.z);
-  camera.SetParallelProjection(from.projection == hbCamera::Projection::orthographic ? 1 : 0);
-  camera.SetParallelScale(0.5 * from.height);
-  camera.SetViewAngle(from.fieldOfView);
-}
-
-vtkNew<vtkFixedPointVolumeRayCastMapper> onCpu(double step) {
-  vtkNew<vtkFixedPointVolumeRayCastMapper> mapper;
-  mapper->SetSampleDistance(float(step));
-  mapper->SetInteractiveSampleDistance(float(step));
-  mapper->AutoAdjustSampleDistancesOff();
-  mapper->SetImageSampleDistance(1.0F);
-  return mapper;
-}
-vtkNew<vtkGPUVolumeRayCastMapper> onGpu(double step) {
-  vtkNew<vtkGPUVolumeRayCastMapper> mapper;
-  mapper->SetSampleDistance(float(step));
-  mapper->AutoAdjustSampleDistancesOff();
-  mapper->SetImageSampleDistance(1.0F);
-  mapper->UseJitteringOff();
-  return mapper;
-}
-
 /// Arguments: samples an axis, whether oblique.
 template <class MakeMapper>
 void picture(benchmark::State& state, MakeMapper makeMapper, vtkVolumeMapper::BlendModes mode, bool everywhere = false,
              bool isLit = false) {
   const hbVolume& samples = bench::volume(int(state.range(0))).volume();
   const hbScene scene = bench::view(samples.geometry(), state.range(1) != 0);
-  const vtkNew<vtkImageData> image = imageOf(samples);
+  const vtkNew<vtkImageData> image = peer::imageOf(samples);
   const auto mapper = makeMapper(scene.sampling.stepLength(samples.geometry(), *scene.camera));
   mapper->SetInputData(image);
   mapper->SetBlendMode(mode);
 
   vtkNew<vtkVolume> volume;
   volume->SetMapper(mapper);
+  volume->SetUserMatrix(peer::placeOf(samples.geometry()));
   set(*volume->GetProperty(), bench::transfer(samples.geometry(), everywhere));
-  if (isLit) light(*volume->GetProperty());
+  if (isLit) peer::reflect(*volume->GetProperty(), hbShading());
   vtkNew<vtkRenderer> renderer;
   renderer->AddVolume(volume);
-  look(*renderer->GetActiveCamera(), *scene.camera);
+  peer::look(*renderer->GetActiveCamera(), *scene.camera);
   renderer->ResetCameraClippingRange();
   vtkNew<vtkRenderWindow> window;
   window->SetOffScreenRendering(1);
@@ -117,14 +62,14 @@ void picture(benchmark::State& state, MakeMapper makeMapper, vtkVolumeMapper::Bl
 }
 
 constexpr auto kComposite = vtkVolumeMapper::COMPOSITE_BLEND;
-void cpuMip(benchmark::State& state) { picture(state, onCpu, vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND); }
-void cpuComposite(benchmark::State& state) { picture(state, onCpu, kComposite); }
-void cpuEverywhere(benchmark::State& state) { picture(state, onCpu, kComposite, true); }
-void cpuLit(benchmark::State& state) { picture(state, onCpu, kComposite, false, true); }
-void gpuXray(benchmark::State& state) { picture(state, onGpu, vtkVolumeMapper::ADDITIVE_BLEND); }
-void gpuMip(benchmark::State& state) { picture(state, onGpu, vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND); }
-void gpuComposite(benchmark::State& state) { picture(state, onGpu, kComposite); }
-void gpuLit(benchmark::State& state) { picture(state, onGpu, kComposite, false, true); }
+void cpuMip(benchmark::State& state) { picture(state, peer::onCpu, vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND); }
+void cpuComposite(benchmark::State& state) { picture(state, peer::onCpu, kComposite); }
+void cpuEverywhere(benchmark::State& state) { picture(state, peer::onCpu, kComposite, true); }
+void cpuLit(benchmark::State& state) { picture(state, peer::onCpu, kComposite, false, true); }
+void gpuXray(benchmark::State& state) { picture(state, peer::onGpu, vtkVolumeMapper::ADDITIVE_BLEND); }
+void gpuMip(benchmark::State& state) { picture(state, peer::onGpu, vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND); }
+void gpuComposite(benchmark::State& state) { picture(state, peer::onGpu, kComposite); }
+void gpuLit(benchmark::State& state) { picture(state, peer::onGpu, kComposite, false, true); }
 
 } // namespace
 
