@@ -168,14 +168,15 @@ std::vector<std::filesystem::path> searchPath() {
   }
 }
 
-std::string lastLine(std::string_view text) {
+} // namespace
+
+std::string hbExternalProgram::Result::lastLine() const {
+  const std::string_view text = errors;
   const auto end = text.find_last_not_of(" \t\r\n");
   if (end == std::string_view::npos) return "nothing";
-  text = text.substr(0, end + 1);
-  return std::string(text.substr(text.find_last_of('\n') + 1)); // npos + 1 is 0
+  const auto begin = text.find_last_of('\n', end) + 1; // npos + 1 is 0
+  return std::string(text.substr(begin, end + 1 - begin));
 }
-
-} // namespace
 
 std::optional<hbExternalProgram> hbExternalProgram::find(std::string_view name,
                                                          const std::vector<std::filesystem::path>& folders) {
@@ -210,6 +211,6 @@ std::string hbExternalProgram::output(const std::vector<std::string>& arguments,
   Result result = run(arguments, input, progress);
   if (result.status != 0)
     throw hbError(fmt::format("{}: expected exit status 0, found {} and the message: {}", path_.string(), result.status,
-                              lastLine(result.errors)));
+                              result.lastLine()));
   return std::move(result.output);
 }

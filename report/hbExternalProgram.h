@@ -20,6 +20,9 @@ public:
     int signal = 0; ///< The signal that ended it, 0 for none.
     std::string output; ///< Everything written to standard output.
     std::string errors; ///< Everything written to standard error.
+
+    /// The last line of `errors` that is not blank; "nothing" where there is none.
+    std::string lastLine() const;
   };
 
   /// The first executable regular file of that name: in `folders` in their order, then along PATH. A name with a slash
