@@ -195,6 +195,7 @@ void addCompare(CLI::App& program, const app::CommonOptions& common, app::Work& 
   command->add_option("--max-bytes", what.limits.bytes, "... size, as in 100kB (1 % of the volume's)")
       ->transform(CLI::AsSizeValue(false))
       ->group("Recommendations");
+  command->add_flag("!--no-peers", what.withPeers, "Leave out zfp and VTK, which take part where they are installed");
   command->add_flag("--restart", what.restart, "Begin anew in a folder that holds a comparison");
   addSceneOptions(*command, options->scene);
   command->callback([options, &common, &work] { work = prepare(*options, common); });

@@ -5,6 +5,7 @@
 
 #include "bench/fields.h"
 #include "bench/views.h"
+#include "raycast/hbNominalSamples.h"
 #include "raycast/hbRaycaster.h"
 
 namespace {
@@ -19,7 +20,7 @@ void picture(benchmark::State& state, hbMode mode, bool everywhere = false, bool
   scene.preintegrated = slabs;
   const hbRaycaster raycaster(field, scene);
   for (auto _ : state) benchmark::DoNotOptimize(raycaster.render());
-  state.SetItemsProcessed(std::int64_t(double(state.iterations()) * bench::nominalSamples(field.geometry(), scene)));
+  state.SetItemsProcessed(std::int64_t(double(state.iterations()) * hb::nominalSamples(field.geometry(), scene)));
 }
 
 void xray(benchmark::State& state) { picture(state, hbMode::xray); }

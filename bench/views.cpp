@@ -1,26 +1,11 @@
 #include "bench/views.h"
 
-#include <glm/matrix.hpp>
-
-#include "raycast/hbRaySegment.h"
-
 hbScene bench::view(const hbGeometry& geometry, bool oblique) {
   hbScene scene;
   scene.camera = oblique ? hbCamera::framing(geometry)
                          : hbCamera::framing(geometry, 0.0, 0.0, hbCamera::Projection::orthographic, 1.0,
                                              hbCamera::kFramingMargin);
   return scene;
-}
-
-double bench::nominalSamples(const hbGeometry& geometry, const hbScene& scene) {
-  const glm::dmat4 worldToCube = glm::inverse(geometry.cubeToWorld());
-  double length = 0.0;
-  for (int y = 0; y < scene.height; ++y)
-    for (int x = 0; x < scene.width; ++x)
-      if (const auto segment =
-              hb::clipToCube(scene.camera->ray(x + 0.5, y + 0.5, scene.width, scene.height), worldToCube))
-        length += segment->length();
-  return length / scene.sampling.stepLength(geometry, *scene.camera);
 }
 
 hbTransferFunction bench::transfer(const hbGeometry& geometry, bool everywhere) {

@@ -12,9 +12,6 @@ namespace bench {
 /// with the volume's face just filling the picture.
 hbScene view(const hbGeometry& geometry, bool oblique);
 
-/// The length of all pixels' rays in the box over the step: what a renderer that leaves nothing out takes samples.
-double nominalSamples(const hbGeometry& geometry, const hbScene& scene);
-
 /// The transfer function of the composited pictures, for values of the hydrogen orbital (0 to 95): nothing is seen
 /// below 2, from 40 on half of the light goes through a voxel. With `everywhere` all values are seen, and faintly, so
 /// that no ray ends early.

@@ -144,3 +144,22 @@ hbComparisonChoice hbComparisonChoices::coarse(int level, std::uint64_t bytes, h
   };
   return {key, std::move(made), load};
 }
+
+hbComparisonChoice hbComparisonChoices::zfp(hbComparisonPeers& peers, int level, std::uint64_t bytes,
+                                            hbProgress& progress) {
+  const std::string key = fmt::format("zfp-{}", level);
+  const std::filesystem::path file = folder_.choice(key + ".nrrd");
+  const auto make = [&](Json& record) {
+    hbInnerProgress inner(progress);
+    const hbZfpRun run = peers.peers().compress(peers.floats(), bytes, file, inner);
+    record["label"] = fmt::format("zfp, {:.4g} kB", double(run.bytes) / 1024.0);
+    record["seconds_build"] = run.secondsCompress;
+    record["seconds_unpack"] = run.secondsDecompress;
+    record["mode"] = run.mode;
+    record["parameter"] = run.parameter;
+    const hbVolumeField field(*hbInput::open(file.string(), {}).volume);
+    describe(record, field, field, run.bytes, inner);
+  };
+  return {key, record(key, head("zfp", fmt::format("zfp, as sparse grid of level {}", level), level), make),
+          [name = file.string()] { return hbInput::open(name, {}); }};
+}

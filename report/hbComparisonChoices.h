@@ -6,6 +6,7 @@
 
 #include "report/hbComparison.h"
 #include "report/hbComparisonFolder.h"
+#include "report/hbComparisonPeers.h"
 #include "report/hbComparisonSource.h"
 #include "report/hbReportJson.h"
 
@@ -35,6 +36,9 @@ public:
   hbComparisonChoice sparse(int level, hbProgress& progress);
   /// A coarser full grid that takes no more than `bytes`: those of the sparse grid of that level.
   hbComparisonChoice coarse(int level, std::uint64_t bytes, hbProgress& progress);
+
+  /// What zfp makes of the volume within those bytes, unpacked as choices/zfp-N.nrrd.
+  hbComparisonChoice zfp(hbComparisonPeers& peers, int level, std::uint64_t bytes, hbProgress& progress);
 
 private:
   using Json = hb::ReportJson;

@@ -60,7 +60,7 @@ struct hbComparisonRun::Case {
 };
 
 hbComparisonRun::hbComparisonRun(const hbComparisonSource& source, const hbComparison& what, hbComparisonFolder& folder)
-    : source_(source), what_(what), folder_(folder) {
+    : source_(source), what_(what), folder_(folder), peers_(source, what, folder) {
   for (const hbMode mode : what.modes) {
     hbScene scene = what.scene;
     scene.mode = mode;
@@ -137,9 +137,11 @@ Json hbComparisonRun::measured(const hbComparisonChoice& choice, const Case& one
   options.threads = what_.threads;
   const auto renderer =
       hbRenderer::create(one.engine.engine, input, *field, scenes_.at(one.mode), options, checkMemory);
-  const double build = secondsSince(begin);
+  // Of zfp, the plain volume is read here; unpacking it was measured by itself.
+  const double unpack = choice.record.value("seconds_unpack", 0.0);
+  const double build = unpack + secondsSince(begin);
   hbPicture picture = renderer->render(inner);
-  const double first = secondsSince(begin);
+  const double first = unpack + secondsSince(begin);
 
   std::vector<double> frames;
   for (double sum = 0.0; int(frames.size()) < what_.repeats && sum < hbComparison::kMostSeconds; sum += frames.back()) {
@@ -168,44 +170,74 @@ Json hbComparisonRun::measured(const hbComparisonChoice& choice, const Case& one
   return record;
 }
 
-void hbComparisonRun::measure(const hbComparisonChoice& choice, const Case& one, hbProgress& progress) {
-  if (auto known = folder_.find(one.key); known && known->value("status", "") == "done") {
-    cases_.push_back(std::move(*known));
-    return;
-  }
-  Json record{{"key", one.key},   {"choice", choice.key}, {"engine", one.engine.name}, {"mode", hb::modeName(one.mode)},
+Json hbComparisonRun::record(const Case& one, const std::string& choice, const std::function<Json()>& make) {
+  if (auto known = folder_.find(one.key); known && known->value("status", "") != "failed") return std::move(*known);
+  Json record{{"key", one.key},   {"choice", choice}, {"engine", one.engine.name}, {"mode", hb::modeName(one.mode)},
               {"status", "done"}, {"error", nullptr}};
   try {
-    if (!choice.isDone()) throw hbError(choice.record["error"].get<std::string>());
-    record.update(measured(choice, one, progress));
+    record.update(make());
   } catch (const hbCancelled&) {
     throw;
+  } catch (const hbPeerRefusal& refusal) {
+    record["status"] = "refused";
+    record["error"] = refusal.what();
   } catch (const std::exception& error) {
     record["status"] = "failed";
     record["error"] = error.what();
   }
-  cases_.push_back(folder_.keep(one.key, std::move(record)));
+  return folder_.keep(one.key, std::move(record));
+}
+
+void hbComparisonRun::measure(const hbComparisonChoice& choice, const Case& one, hbProgress& progress) {
+  cases_.push_back(record(one, choice.key, [&] {
+    if (!choice.isDone()) throw hbError(choice.record["error"].get<std::string>());
+    return measured(choice, one, progress);
+  }));
+}
+
+void hbComparisonRun::take(const hbComparisonChoice& choice, hbProgress& progress) {
+  choices_.push_back(choice.record);
+  for (const Case& one : casesOf(choice)) {
+    measure(choice, one, progress);
+    progress.advance(1);
+  }
+}
+
+void hbComparisonRun::takeVtk(hbProgress& progress) {
+  using Mapper = hbPeers::VtkMapper;
+  for (const auto& [name, mapper] : {std::pair("vtk-cpu", Mapper::cpu), std::pair("vtk-gpu", Mapper::gpu)})
+    for (const hbMode mode : what_.modes) {
+      const Case one{fmt::format("original-{}-{}", name, hb::modeName(mode)), {name, hbEngine::full, {}}, mode};
+      Json made = record(one, "original", [&, mapper = mapper] {
+        const hbPicture& expected = reference(mode, false, progress);
+        return peers_.vtk(mapper, scenes_.at(mode), expected, one.key, kShownDifference, progress);
+      });
+      // What VTK does not draw is no case of it.
+      if (made["status"] != "refused") cases_.push_back(std::move(made));
+      progress.advance(1);
+    }
+}
+
+void hbComparisonRun::takeZfp(const hbComparisonChoice& sparse, hbComparisonChoices& choices, hbProgress& progress) {
+  if (!sparse.isDone()) return;
+  take(choices.zfp(peers_, sparse.record["level"], sparse.record["bytes"], progress), progress);
 }
 
 Json hbComparisonRun::run(hbProgress& progress) {
   const std::int64_t levels = what_.lastLevel - what_.firstLevel + 1;
-  const auto modes = std::int64_t(what_.modes.size());
-  progress.begin("comparing", modes * (1 + levels * (1 + std::int64_t(what_.engines.size()))), "cases");
+  const auto modes = std::int64_t(what_.modes.size()), engines = std::int64_t(what_.engines.size());
+  const int vtk = peers_.hasVtk() ? 2 : 0, zfp = peers_.hasZfp() ? 1 : 0;
+  progress.begin("comparing", modes * (1 + vtk + levels * (1 + zfp + engines)), "cases");
   hbComparisonChoices choices(source_, what_, folder_);
-  const auto take = [&](const hbComparisonChoice& choice) {
-    choices_.push_back(choice.record);
-    for (const Case& one : casesOf(choice)) {
-      measure(choice, one, progress);
-      progress.advance(1);
-    }
-  };
-  take(choices.original(progress));
+  take(choices.original(progress), progress);
+  if (peers_.hasVtk()) takeVtk(progress);
   for (int level = what_.firstLevel; level <= what_.lastLevel; ++level) {
     const hbComparisonChoice sparse = choices.sparse(level, progress);
-    take(sparse);
-    take(choices.coarse(level, sparse.isDone() ? sparse.record["bytes"].get<std::uint64_t>() : 0, progress));
+    take(sparse, progress);
+    take(choices.coarse(level, sparse.isDone() ? sparse.record["bytes"].get<std::uint64_t>() : 0, progress), progress);
+    if (peers_.hasZfp()) takeZfp(sparse, choices, progress);
   }
-  return assemble();
+  return assemble(progress);
 }
 
 Json hbComparisonRun::identity(const hbComparisonSource& source, const hbComparison& what) {
@@ -215,12 +247,13 @@ Json hbComparisonRun::identity(const hbComparisonSource& source, const hbCompari
   return identity;
 }
 
-Json hbComparisonRun::assemble() const {
+Json hbComparisonRun::assemble(hbProgress& progress) const {
   Json machine = hb::reportJson(hbMachine::current());
   machine["threads"] = hb::parallelThreads();
   machine["gl_renderer"] = nullptr;
   for (const Json& one : cases_)
-    if (one.contains("gl_renderer") && !one["gl_renderer"].is_null()) machine["gl_renderer"] = one["gl_renderer"];
+    if (one["choice"] != "original" && one.contains("gl_renderer") && !one["gl_renderer"].is_null())
+      machine["gl_renderer"] = one["gl_renderer"];
   Json report{{"version", what_.version},
               {"command", what_.command},
               {"machine", machine},
@@ -229,6 +262,7 @@ Json hbComparisonRun::assemble() const {
               {"runs", folder_.runs()},
               {"difference_scale", kShownDifference},
               {"choices", choices_},
-              {"cases", cases_}};
+              {"cases", cases_},
+              {"peers", peers_.versions(progress)}};
   return report;
 }

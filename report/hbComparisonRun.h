@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "report/hbComparison.h"
 #include "report/hbComparisonChoices.h"
 #include "report/hbComparisonFolder.h"
+#include "report/hbComparisonPeers.h"
 #include "report/hbComparisonSource.h"
 #include "report/hbReportJson.h"
 
@@ -34,20 +36,27 @@ private:
   struct Case;
 
   std::vector<Case> casesOf(const hbComparisonChoice& choice) const;
+  void take(const hbComparisonChoice& choice, hbProgress& progress);
   void measure(const hbComparisonChoice& choice, const Case& one, hbProgress& progress);
+  /// The record of a case: the one kept, or what `make` adds to its head.
+  Json record(const Case& one, const std::string& choice, const std::function<Json()>& make);
   Json measured(const hbComparisonChoice& choice, const Case& one, hbProgress& progress);
   void compare(const hbPicture& picture, const Case& one, Json& record);
   /// The picture that others in that mode are compared with, drawn once and kept in the folder.
   const hbPicture& reference(hbMode mode, bool isTrue, hbProgress& progress);
   hbScene sceneOf(hbMode mode) const;
   hbPicture draw(const hbField& field, hbMode mode, hbProgress& progress) const;
-  Json assemble() const;
+  /// Zfp as one more choice, with as many bytes as that sparse grid.
+  void takeZfp(const hbComparisonChoice& sparse, hbComparisonChoices& choices, hbProgress& progress);
+  /// The volume itself, drawn by VTK.
+  void takeVtk(hbProgress& progress);
+  Json assemble(hbProgress& progress) const;
 
   const hbComparisonSource& source_;
   const hbComparison& what_;
   hbComparisonFolder& folder_;
+  hbComparisonPeers peers_;
   std::map<hbMode, hbScene> scenes_;
   std::map<std::pair<hbMode, bool>, hbPicture> references_;
   std::vector<Json> choices_, cases_;
-  std::string glRenderer_;
 };

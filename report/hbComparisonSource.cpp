@@ -48,6 +48,18 @@ std::uint64_t hbComparisonSource::bytes() const {
          std::uint64_t(hb::sampleBytes(volume_->type()));
 }
 
+hbVolume hbComparisonSource::floats() const {
+  const hbGeometry& geometry = volume_->geometry();
+  const hbSize3 size = geometry.size;
+  const hbValueMap map = field_->valueMap();
+  std::vector<float> samples(std::size_t(geometry.samples()));
+  field_->lattice(geometry.cubeCoordinates(0), geometry.cubeCoordinates(1), geometry.cubeCoordinates(2), component_,
+                  samples.data(), std::size_t(size.x), std::size_t(size.x * size.y));
+  if (!map.isIdentity())
+    for (float& sample : samples) sample = float(map.toTrue(sample));
+  return hbVolume::fromSamples(geometry, std::move(samples));
+}
+
 hbInput hbComparisonSource::load() const {
   hbInput input = open_();
   if (!input.volume) {

@@ -33,6 +33,8 @@ public:
   std::pair<double, double> range() const { return range_; }
   /// Bytes of the samples in their own type, all components.
   std::uint64_t bytes() const;
+  /// The component's samples as 32-bit floats in data values, for other programs: 4 bytes a sample.
+  hbVolume floats() const;
   /// The full grid read or sampled again: what it takes to have it.
   hbInput load() const;
 

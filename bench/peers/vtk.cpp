@@ -16,6 +16,7 @@
 #include "bench/fields.h"
 #include "bench/peers/vtkParts.h"
 #include "bench/views.h"
+#include "raycast/hbNominalSamples.h"
 
 namespace {
 
@@ -58,7 +59,7 @@ void picture(benchmark::State& state, MakeMapper makeMapper, vtkVolumeMapper::Bl
   window->AddRenderer(renderer);
   window->Render();
   for (auto _ : state) window->Render();
-  state.SetItemsProcessed(std::int64_t(double(state.iterations()) * bench::nominalSamples(samples.geometry(), scene)));
+  state.SetItemsProcessed(std::int64_t(double(state.iterations()) * hb::nominalSamples(samples.geometry(), scene)));
 }
 
 constexpr auto kComposite = vtkVolumeMapper::COMPOSITE_BLEND;
