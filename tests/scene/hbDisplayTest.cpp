@@ -136,6 +136,13 @@ TEST(hbDisplay, RefusesWhatCannotBeShown) {
   EXPECT_THROW(hb::sideBySide(std::array{one, one}, 16384), hbError);
 }
 
+TEST(hbDisplay, BackgroundIsTheScenesOrADarkGray) {
+  hbScene scene;
+  EXPECT_EQ(hb::backgroundColour(scene), glm::dvec3(0.12));
+  scene.background = {1.0, 0.5, 0.25};
+  EXPECT_EQ(hb::backgroundColour(scene), glm::dvec3(1.0, 0.5, 0.25));
+}
+
 TEST(hbDisplay, LightIsShownOverTheBackground) {
   hbPicture picture = pictureOf({0, 0, 0}, {0, 1, 0.5F});
   picture.channels["R"] = {0, 1, 0.25F};
