@@ -57,6 +57,9 @@ TEST(hbExternalProgram, failureHasItsStatusAndLastLine) {
   const auto result = runShell("echo first >&2; echo 'last one' >&2; exit 7");
   EXPECT_EQ(result.status, 7);
   EXPECT_EQ(result.errors, "first\nlast one\n");
+  EXPECT_EQ(result.lastLine(), "last one");
+  EXPECT_EQ(runShell("printf 'one\\r\\n \\n' >&2").lastLine(), "one");
+  EXPECT_EQ(runShell("echo >&2").lastLine(), "nothing");
   try {
     shell().output({"-c", "echo first >&2; echo 'last one' >&2; exit 7"});
     ADD_FAILURE() << "expected an hbError";
