@@ -9,8 +9,8 @@
 #include "scene/hbPictureFile.h"
 #include "scene/hbScene.h"
 #include "scene/hbTransferFunctionFile.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/apps/hbAppTest.h"
-#include "tests/sparsegrid/hbTestSets.h"
 #include "volume/hbInstructionSet.h"
 
 class render : public hbAppTest {
@@ -112,7 +112,7 @@ TEST_F(render, TheLatticeEngineDrawsColourAndOpacity) {
   EXPECT_RUNS(run({"compress", "field:smooth,size=33", "s.hbv", "--level", "5"}));
   const hbInput input = hbInput::open(path("s.hbv"), {});
   const hbSparseGrid& grid = input.sparse->grid;
-  const double value = hbTestSets::latticeBound(grid) + hbTestSets::semiNodalBound(grid);
+  const double value = hb::latticeBound(grid) + hb::semiNodalBound(grid);
   for (const bool isPreintegrated : {false, true}) {
     for (const char* engine : {"lattice", "seminodal"}) {
       std::vector<std::string> arguments{"render",
@@ -360,8 +360,8 @@ TEST_F(render, TheLatticeEngineDrawsTheSame) {
     // Both engines are so far off at the most, times the length of a ray; pictures are floats. (What an iso-surface
     // shows depends on its slopes: hbShearWarpTest.)
     const hbInput input = hbInput::open(path("s.hbv"), {});
-    const double values = hbTestSets::latticeBound(input.sparse->grid) + hbTestSets::semiNodalBound(input.sparse->grid);
-    const double largest = hbTestSets::amplitude(input.sparse->grid), length = input.geometry().extent().x;
+    const double values = hb::latticeBound(input.sparse->grid) + hb::semiNodalBound(input.sparse->grid);
+    const double largest = hb::amplitude(input.sparse->grid), length = input.geometry().extent().x;
     const double tolerance = (values + 2 * 0x1p-24 * largest) * std::max(1.0, length);
     if (std::string(mode) != "iso") {
       EXPECT_LE(run({"diff", "lattice.exr", "seminodal.exr", "--json"}).json()["max"].get<double>(), tolerance) << mode;

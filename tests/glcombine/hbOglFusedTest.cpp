@@ -7,7 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "glcombine/hbGlContext.h"
-#include "tests/glcombine/hbOglValuesBounds.h"
+#include "glcombine/hbOglRoundingBounds.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbTestScenes.h"
 
 using namespace hbTestScenes;
@@ -21,8 +22,8 @@ double slowWaves(const glm::dvec3& p) { return std::cos(3.0 * p.x - 1.0) + 0.6 *
 class Reference {
 public:
   Reference(const hbSparseGrid& grid, const hbPlaneRays& rays, double atOnePoint)
-      : grid_(grid), rays_(rays), slopes_(hbOglValuesBounds::slopes(grid, rays.scene().component)),
-        atOnePoint_(atOnePoint), first_(rays.plane(0)), last_(rays.plane(rays.planes() - 1)) {
+      : grid_(grid), rays_(rays), slopes_(hb::slopeBounds(grid, rays.scene().component)), atOnePoint_(atOnePoint),
+        first_(rays.plane(0)), last_(rays.plane(rays.planes() - 1)) {
     for (std::size_t pixel = 0; pixel < rays.rays().size(); ++pixel)
       for (int i = rays.rays()[pixel].first; i <= rays.rays()[pixel].last; ++i) samples_.push_back(at(pixel, i));
     samples_ = evaluated(samples_);
@@ -190,9 +191,9 @@ protected:
   };
   std::array<Form, 2> formsOf(const hbSparseGrid& grid, int component) const {
     return {Form{std::make_unique<const hbOglFused>(*context_, hbCombinationSparseGrid(grid), component),
-                 hbOglValuesBounds::combination(grid, component)},
+                 hb::oglCombinationBound(grid, component)},
             Form{std::make_unique<const hbOglFused>(*context_, hbSemiNodalGrid(grid), component),
-                 hbOglValuesBounds::semiNodal(grid, component)}};
+                 hb::oglSemiNodalBound(grid, component)}};
   }
 
   /// Pictures of all modes by both forms; returns how many surfaces are certain.

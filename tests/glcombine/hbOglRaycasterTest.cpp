@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "glcombine/hbGlContext.h"
+#include "glcombine/hbOglRoundingBounds.h"
 #include "raycast/hbRaycaster.h"
 #include "sparsegrid/hbCombinationSparseGrid.h"
-#include "tests/glcombine/hbGlBounds.h"
 #include "tests/raycast/hbDvrBounds.h"
 #include "tests/raycast/hbDvrScenes.h"
 #include "tests/raycast/hbLitBounds.h"
@@ -119,7 +119,7 @@ double ofLookUp(const hbPlaneRays& rays, double largest) {
 
 /// How far the true values that are looked up may be from the combination engine's.
 double ofValues(const hbCombinationSparseGrid& grid, const hbPlaneRays& rays, double texels) {
-  hbGlBounds bounds(grid, rays);
+  hbOglRoundingBounds bounds(grid, rays);
   return bounds.withTexels(texels).values() + ofLookUp(rays, bounds.largest());
 }
 
@@ -166,7 +166,7 @@ int expectSurfacesNear(const hbPicture& found, const hbPicture& expected, const 
 }
 
 void expectSumsOrMaximaNear(const hbPicture& found, const hbPicture& expected, const hbPlaneRays& rays,
-                            const hbGlBounds& bounds) {
+                            const hbOglRoundingBounds& bounds) {
   EXPECT_EQ(channel(found, "A"), channel(expected, "A"));
   const std::vector<float> ys = channel(found, "Y"), exact = channel(expected, "Y");
   const double longest = glm::length(rays.field().geometry().extent()) + rays.step() * 16.0;
@@ -191,10 +191,10 @@ void expectLitNear(const hbPicture& found, const hbPicture& expected, const hbCo
   const hbPlaneRays rays(grid, scene);
   const hbLitBounds bounds(rays, kLitSlopes);
   // Of either engine, values of one component grid, or of its nine lines, with 24 roundings at most and no partial sum
-  // greater than a value; at points that are rounded 8 times (see hbGlBounds). Those of a difference are rounded once
-  // more, but else the same.
+  // greater than a value; at points that are rounded 8 times (see hbOglRoundingBounds). Those of a difference are
+  // rounded once more, but else the same.
   EXPECT_EQ(grid.grids().size(), 1U);
-  const hbGlBounds values(grid, rays);
+  const hbOglRoundingBounds values(grid, rays);
   const double rounded = 24.0 * 0x1p-24 * values.largest(), slopes = kLitSlopes.x + kLitSlopes.y + kLitSlopes.z;
   const double perValue = 2.0 * (rounded + 8.0 * 0x1p-24 * values.reach() * slopes) + ofLookUp(rays, values.largest());
   const double perDifference = 2.0 * 2.0 * (rounded + 0x1p-24 * slopes);
@@ -227,7 +227,7 @@ TEST_P(hbOglRaycasterTest, XrayAndMipAreThePlanewisePicturesOfTheCombination) {
       for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
         const hbScene scene = planewise(mode, camera);
         const hbPlaneRays rays(combination, scene);
-        hbGlBounds bounds(combination, rays);
+        hbOglRoundingBounds bounds(combination, rays);
         expectSumsOrMaximaNear(drawn(grid, scene), hbRaycaster(combination, scene).render(), rays,
                                bounds.withTexels(GetParam().texels));
       }
@@ -243,7 +243,7 @@ TEST_P(hbOglRaycasterTest, IsoSurfacesAreThePlanewiseOnes) {
     const hbScene scene = planewise(hbMode::iso, camera);
     const hbPlaneRays rays(combination, scene);
     surfaces += expectSurfacesNear(drawn(grid, scene), hbRaycaster(combination, scene).render(), rays,
-                                   hbGlBounds(combination, rays).withTexels(GetParam().texels).values());
+                                   hbOglRoundingBounds(combination, rays).withTexels(GetParam().texels).values());
   }
   EXPECT_GT(surfaces, 500);
 }
@@ -361,7 +361,7 @@ TEST_P(hbOglSceneTest, ClippedIsThePlanewisePicture) {
     const hbPlaneRays rays(combination, scene);
     const hbPicture expected = hbRaycaster(combination, scene).render(), found = drawn(grid, scene);
     EXPECT_NE(channel(found, "A"), channel(whole, "A"));
-    hbGlBounds bounds(combination, rays);
+    hbOglRoundingBounds bounds(combination, rays);
     bounds.withTexels(GetParam().texels);
     if (isDvr) {
       expectNear(found, expected, rays, ofValues(combination, rays, GetParam().texels));

@@ -14,9 +14,10 @@
 #include "glcombine/hbGlFunctions.h"
 #include "glcombine/hbGlTarget.h"
 #include "glcombine/hbGlTexture.h"
+#include "glcombine/hbOglRoundingBounds.h"
 #include "glcombine/hbOglTiles.h"
 #include "glcombine/hbTermOrder.h"
-#include "tests/glcombine/hbGlBounds.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbTestScenes.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
@@ -123,7 +124,7 @@ TEST(hbOglSparseGrid, FloatsAreTheCombinationUpToRounding) {
       const hbOglSparseGrid::Plane plane = oblique();
       const std::vector<float> out = drawnValues(*context, drawn, hbGlFormat::r32f, plane);
       ASSERT_EQ(out.size(), std::size_t(kWidth * kHeight));
-      const double tolerance = hbGlBounds(grid).floats();
+      const double tolerance = hbOglRoundingBounds(grid).floats();
       int inside = 0;
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
@@ -183,9 +184,9 @@ TEST(hbOglSparseGrid, FixedPointTargetsLoseWhatTheEmulatorSays) {
   }
 }
 
-// A field that is nearly constant, so that the coordinates' rounding (see hbGlBounds) hardly shows. What is left are
-// the roundings of textures, of interpolation (18, see hbTestSets::combinationBound), and those of every blend: of what
-// is added and of the partial sum, which depend on the order. 16-bit floats may be rounded towards 0.
+// A field that is nearly constant, so that the coordinates' rounding (see hbOglRoundingBounds) hardly shows. What is
+// left are the roundings of textures, of interpolation (18, see hb::combinationBound), and those of every blend: of
+// what is added and of the partial sum, which depend on the order. 16-bit floats may be rounded towards 0.
 TEST(hbOglSparseGrid, FloatTargetsLoseWhatTheirPartialSumsSay) {
   const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
   const hbGlCurrent current(*context);

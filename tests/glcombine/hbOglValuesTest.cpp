@@ -8,8 +8,9 @@
 #include "glcombine/hbGlContext.h"
 #include "glcombine/hbGlQuad.h"
 #include "glcombine/hbGlTarget.h"
-#include "tests/glcombine/hbOglValuesBounds.h"
+#include "glcombine/hbOglRoundingBounds.h"
 #include "tests/sparsegrid/hbTestPoints.h"
+#include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 #include "volume/hbVolumeField.h"
 
@@ -52,8 +53,8 @@ void main() { value = valueAt(texelFetch(points, ivec2(gl_FragCoord.xy), 0).rgb)
       const std::vector<float> combined = valuesAt(combination, points), summed = valuesAt(semiNodal, points);
       for (std::size_t i = 0; i < points.size(); ++i) {
         const double exact = grid.calcValue(points.at(i), component);
-        ASSERT_NEAR(combined[i], exact, hbOglValuesBounds::combination(grid, component)) << i;
-        ASSERT_NEAR(summed[i], exact, hbOglValuesBounds::semiNodal(grid, component)) << i;
+        ASSERT_NEAR(combined[i], exact, hb::oglCombinationBound(grid, component)) << i;
+        ASSERT_NEAR(summed[i], exact, hb::oglSemiNodalBound(grid, component)) << i;
       }
     }
   }

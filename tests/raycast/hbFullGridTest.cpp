@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbTestScenes.h"
-#include "tests/sparsegrid/hbTestSets.h"
 #include "volume/hbError.h"
 
 using namespace hbTestScenes;
@@ -21,7 +21,7 @@ TEST(hbFullGrid, HasTheGridsValuesAtItsSamples) {
   EXPECT_EQ(hb::fullGridBytes(grid), 2.0 * 4.0 * 9 * 17 * 9);
   for (int c = 0; c < 2; ++c) {
     // hbShearReference::rounding(), at level 4 at most.
-    const double tolerance = (15 + 8) * 0x1p-24 * hbTestSets::amplitude(grid, c) * grid.valueMap().scale;
+    const double tolerance = (15 + 8) * 0x1p-24 * hb::amplitude(grid, c) * grid.valueMap().scale;
     for (int k = 0; k < 9; ++k)
       for (int j = 0; j < 17; ++j)
         for (int i = 0; i < 9; ++i) {

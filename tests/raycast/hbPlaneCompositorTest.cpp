@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "raycast/hbRaycaster.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbDvrBounds.h"
 #include "tests/raycast/hbDvrScenes.h"
 #include "tests/raycast/hbLitBounds.h"
@@ -88,7 +89,7 @@ TEST(hbPlaneCompositor, IsoSurfacesLieWherePlanewiseRayCastingFindsThem) {
   const hbGeometry g = awkward();
   const hbSparseGrid grid = gridOf(g, 1, {[](const glm::dvec3& p) { return p.x + 2.0 * p.y + 3.0 * p.z - 2.7; }});
   const glm::dvec3 slopes(1.0, 2.0, 3.0);
-  const double perSlope = 4.0 * hbTestSets::directBound(grid) * glm::length(1.0 / (g.cubeSpacing() * g.extent()));
+  const double perSlope = 4.0 * hb::directBound(grid) * glm::length(1.0 / (g.cubeSpacing() * g.extent()));
   EXPECT_LT(perSlope, 1e-4);
   int surfaces = 0;
   for (const hbCamera& camera : cameras(g)) {
@@ -188,8 +189,8 @@ TEST(hbPlaneCompositor, LitIsPlanewiseRayCasting) {
         if (isFaint) scene.gradientOpacity = {0.1, 1.1};
         const hbPlaneRays rays(grid, scene);
         const hbLitBounds bounds(rays, slopes);
-        const double perValue = glm::dot(hbShearReference(grid, scene, 1).slopes(), glm::dvec3(3 * 0x1p-24)) +
-                                2.0 * hbTestSets::directBound(grid);
+        const double perValue =
+            glm::dot(hbShearReference(grid, scene, 1).slopes(), glm::dvec3(3 * 0x1p-24)) + 2.0 * hb::directBound(grid);
         const hbPicture found = composited(grid, scene), expected = hbRaycaster(grid, scene).render();
         const std::vector<float> opacities = channel(expected, "A");
         for (std::size_t i = 0; i < opacities.size(); ++i) {

@@ -15,8 +15,8 @@
 
 #include "raycast/hbRaySegment.h"
 #include "sparsegrid/hbCombinationSparseGrid.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
-#include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 #include "volume/hbError.h"
 #include "volume/hbVolumeField.h"
@@ -432,10 +432,9 @@ TEST(hbRaycaster, EveryEngineGivesTheSamePictures) {
   double largest = 0.0;
   for (const double v : grid.nodalValues(0)) largest = std::max(largest, std::abs(v));
   const hbSemiNodalGrid semiNodal(grid);
-  const double direct = hbTestSets::directBound(grid);
+  const double direct = hb::directBound(grid);
   const std::array<std::pair<const hbField*, double>, 2> others{
-      {{&combination, direct + hbTestSets::combinationBound(set, largest)},
-       {&semiNodal, direct + hbTestSets::semiNodalBound(grid)}}};
+      {{&combination, direct + hb::combinationBound(set, largest)}, {&semiNodal, direct + hb::semiNodalBound(grid)}}};
   for (const auto& [other, bound] : others)
     for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
       const hbScene scene = sceneOf(mode, 32);

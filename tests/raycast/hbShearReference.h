@@ -12,8 +12,8 @@
 #include <glm/geometric.hpp>
 
 #include "raycast/hbShearFactorisation.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "sparsegrid/hbSparseGrid.h"
-#include "tests/sparsegrid/hbTestSets.h"
 
 /// Shear-warp written down plainly: one ray, one slice, one point after the other, in 64 bits.
 class hbShearReference {
@@ -129,8 +129,7 @@ public:
   double rounding() const {
     double sum = 0.0;
     for (int c = 0; c < grid_.components(); ++c)
-      sum += std::max({hbTestSets::latticeBound(grid_, 0, c), hbTestSets::latticeBound(grid_, 1, c),
-                       hbTestSets::latticeBound(grid_, 2, c)});
+      sum += std::max({hb::latticeBound(grid_, 0, c), hb::latticeBound(grid_, 1, c), hb::latticeBound(grid_, 2, c)});
     return sum * grid_.valueMap().scale;
   }
 

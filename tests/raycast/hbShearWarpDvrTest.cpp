@@ -9,6 +9,7 @@
 #include "raycast/hbRaycaster.h"
 #include "raycast/hbSliceLight.h"
 #include "scene/hbColorSpace.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbDvrScenes.h"
 #include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
@@ -337,7 +338,7 @@ TEST(hbShearWarpDvr, IsWithinADerivedBoundOfRayCasting) {
       const hbPicture warped = draw(grid, scene, 4), cast = hbRaycaster(grid, scene).render();
       const glm::dvec3 steepest = reference.slopes();
       const auto change = [&](const glm::dvec3& way) { return glm::dot(steepest, glm::abs(way)); };
-      const double rounding = reference.rounding() + hbTestSets::directBound(grid) + change(glm::dvec3(0x1p-24));
+      const double rounding = reference.rounding() + hb::directBound(grid) + change(glm::dvec3(0x1p-24));
       const double step = scene.sampling.stepLength(g, camera);
       const hbMatter matter(scene, {}, step);
       for (int y = 0; y < scene.height; ++y)
@@ -594,7 +595,7 @@ TEST(hbShearWarpDvr, LitAlongAnAxisItIsPlanewiseRayCasting) {
       // the way is 1. Rays end where nearly nothing is seen any more.
       const hbShearReference reference(grid, scene);
       const double rounding =
-          reference.rounding() + hbTestSets::directBound(grid) + glm::dot(reference.slopes(), glm::dvec3(0x1p-24));
+          reference.rounding() + hb::directBound(grid) + glm::dot(reference.slopes(), glm::dvec3(0x1p-24));
       const Slopes slopes(*scene.transfer);
       const double ofSlopes = 16.0 * rounding * ((0.8 + 0.2 * 24.0) / 0.2 + 1.3 * std::log(10.0) / 0.5 / 1.8);
       const double tolerance = ofSlopes + 1.3 * rounding * (slopes.colour + slopes.extinction) +

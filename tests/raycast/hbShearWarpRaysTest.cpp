@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "raycast/hbRaycaster.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 
@@ -37,7 +38,7 @@ TEST(hbShearWarp, AlongAnAxisItIsPlanewiseRayCasting) {
           const hbPicture warped = draw(grid, scene), cast = hbRaycaster(grid, scene).render();
           // Values of either engine, and the rounding of the caster's coordinates to floats.
           const double rounding =
-              reference.rounding() + hbTestSets::directBound(grid) + glm::dot(reference.slopes(), glm::dvec3(0x1p-24));
+              reference.rounding() + hb::directBound(grid) + glm::dot(reference.slopes(), glm::dvec3(0x1p-24));
           for (int y = 0; y < scene.height; ++y)
             for (int x = 0; x < scene.width; ++x) {
               const std::size_t at = std::size_t(x + scene.width * y);
@@ -79,7 +80,7 @@ TEST(hbShearWarp, IsWithinADerivedBoundOfRayCasting) {
         const hbPicture warped = draw(grid, scene), cast = hbRaycaster(grid, scene).render();
         const glm::dvec3 slopes = reference.slopes();
         const auto change = [&](const glm::dvec3& way) { return glm::dot(slopes, glm::abs(way)); };
-        const double rounding = reference.rounding() + hbTestSets::directBound(grid) + change(glm::dvec3(0x1p-24));
+        const double rounding = reference.rounding() + hb::directBound(grid) + change(glm::dvec3(0x1p-24));
         const double step = scene.sampling.stepLength(g, camera);
         for (int y = 0; y < scene.height; ++y)
           for (int x = 0; x < scene.width; ++x) {

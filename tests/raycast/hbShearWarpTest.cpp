@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 #include "volume/hbError.h"
@@ -180,7 +181,7 @@ TEST(hbShearWarp, IsoSurfacesAreTheReference) {
               // Both values are rounded, which moves the crossing; so does the place's rounding to floats.
               const glm::dvec3 moved =
                   std::min(1.0, 2.0 * rounding / std::abs(now - before)) * glm::abs(to - from) + glm::dvec3(0x1p-24);
-              const double valueError = glm::dot(slopes, moved) + hbTestSets::semiNodalBound(grid);
+              const double valueError = glm::dot(slopes, moved) + hb::semiNodalBound(grid);
               const glm::dvec3 h = g.cubeSpacing();
               glm::dvec3 gradient(0.0), gradientError(0.0);
               for (int d = 0; d < 3; ++d) {
@@ -236,8 +237,7 @@ TEST(hbShearWarp, IsoSurfacesAreTheReference) {
           ++hits;
           const double largest = std::abs(sum.z / sum.weight);
           ASSERT_NEAR(z[at], sum.z / sum.weight, sum.zError + (0x1p-22 + 4e-9) * largest);
-          ASSERT_NEAR(value[at], sum.value / sum.weight,
-                      sum.valueError + (0x1p-22 + 4e-9) * hbTestSets::amplitude(grid));
+          ASSERT_NEAR(value[at], sum.value / sum.weight, sum.valueError + (0x1p-22 + 4e-9) * hb::amplitude(grid));
           const double blended = glm::length(sum.normal / sum.weight), error = 2.0 * (sum.normalError + 4e-9) / blended;
           const glm::dvec3 normal = glm::normalize(sum.normal);
           for (int d = 0; d < 3; ++d) ASSERT_NEAR(normals[std::size_t(d)][at], normal[d], error);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 
@@ -29,8 +30,7 @@ TEST(hbCombinationSparseGrid, AgreesWithTheReferenceAtEveryLevel) {
         *hbAnalyticField::create("smooth")->withSize(hbTestSets::sizeOf(set)), set, hbLatticeMapping::fitted);
     const hbCombinationSparseGrid combination(grid);
     EXPECT_EQ(combination.grids().size(), set.componentGrids().size());
-    const double bound =
-        hbTestSets::combinationBound(set, largestNodalValue(grid)) + 0x1p-24 * hbTestSets::amplitude(grid);
+    const double bound = hb::combinationBound(set, largestNodalValue(grid)) + 0x1p-24 * hb::amplitude(grid);
     for (int i = 0; i < 200; ++i) {
       const std::array<float, 3> p{unit(random), unit(random), unit(random)};
       float value, dx, dy, dz, again;
@@ -58,7 +58,7 @@ RC_GTEST_PROP(hbCombinationSparseGrid, AgreesForAnyIndexSetAndMapping, ()) {
   const hbSparseGrid grid = hbSparseGrid::interpolate(*hbAnalyticField::create("vortex")->withSize(size), set,
                                                       aligned ? hbLatticeMapping::aligned : hbLatticeMapping::fitted);
   const hbCombinationSparseGrid combination(grid);
-  const double bound = hbTestSets::combinationBound(set, largestNodalValue(grid)) + hbTestSets::directBound(grid);
+  const double bound = hb::combinationBound(set, largestNodalValue(grid)) + hb::directBound(grid);
   const auto unit = rc::gen::map(rc::gen::inRange(0, 1 << 20), [](int v) { return float(v) / float(1 << 20); });
   const std::array<float, 3> p{*unit, *unit, *unit};
   float value, direct;

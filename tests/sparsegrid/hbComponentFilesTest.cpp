@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "tests/volume/hbTestFiles.h"
 #include "volume/hbVolumeWriter.h"
@@ -69,7 +70,7 @@ RC_GTEST_PROP(hbComponentFiles, GiveTheInterpolant, ()) {
           if (!set.flat()[d])
             p[d] = subspace.levels[d] == 0 ? double(k[d]) : double(2 * k[d] + 1) / std::exp2(subspace.levels[d]);
         // Surpluses are rounded to floats: half an ulp each of what adds up at a node.
-        const double bound = 2.0 * hbTestSets::amplitude(grid, c) * 0x1p-24 + 1e-12;
+        const double bound = 2.0 * hb::amplitude(grid, c) * 0x1p-24 + 1e-12;
         RC_ASSERT(std::abs(values[std::size_t(subspace.offset + i)] - wave(p, c)) <= bound);
       }
   }

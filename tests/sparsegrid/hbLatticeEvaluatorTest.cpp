@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 #include "volume/hbInstructionSet.h"
@@ -80,7 +81,7 @@ RC_GTEST_PROP(hbLatticeEvaluator, GivesTheValuesAtTheirPoints, ()) {
   const hbLatticePlan plan = evaluator.plan(us, vs);
   hbLatticeWorkspace workspace;
   const std::size_t stride = us.size() + 2; // with gaps, which stay untouched
-  const double tolerance = hbTestSets::latticeBound(grid, order.row, component);
+  const double tolerance = hb::latticeBound(grid, order.row, component);
   for (const double w : ws)
     for (const bool pastCaches : {false, true}) {
       std::vector<float> out(stride * vs.size(), -99.0F);
@@ -109,7 +110,7 @@ RC_GTEST_PROP(hbLatticeEvaluator, GivesValuesAndSlopesIn64Bits, ()) {
         quantity == Quantity::value
             ? 1.0
             : std::exp2(std::max({grid.indexSet().finest().x, grid.indexSet().finest().y, grid.indexSet().finest().z}));
-    const double tolerance = 4096 * 0x1p-53 * steepest * hbTestSets::amplitude(grid, component);
+    const double tolerance = 4096 * 0x1p-53 * steepest * hb::amplitude(grid, component);
     for (const double w : ws) {
       evaluator.plane(plan, w, workspace, out.data(), us.size());
       for (std::size_t j = 0; j < vs.size(); ++j)
@@ -133,7 +134,7 @@ RC_GTEST_PROP(hbLatticeEvaluator, GivesSlopesIn32Bits, ()) {
     evaluator.plane(evaluator.plan(us, vs, quantity), w, workspace, out.data(), us.size());
     const double steepest =
         std::exp2(std::max({grid.indexSet().finest().x, grid.indexSet().finest().y, grid.indexSet().finest().z}));
-    const double tolerance = steepest * hbTestSets::latticeBound(grid, order.row, component);
+    const double tolerance = steepest * hb::latticeBound(grid, order.row, component);
     for (std::size_t j = 0; j < vs.size(); ++j)
       for (std::size_t i = 0; i < us.size(); ++i)
         RC_ASSERT(std::abs(out[i + us.size() * j] - exact(grid, component, order, quantity, us[i], vs[j], w)) <=

@@ -9,6 +9,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "sparsegrid/hbCombinationSparseGrid.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/sparsegrid/hbTestPoints.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
@@ -45,9 +46,9 @@ void expectTheReference(const hbSparseGrid& grid, const hbTestPoints& points) {
   const hbTestValues<float> values(field, points.view());
   const hbTestPoints64 points64(points);
   const hbTestValues<double> values64(field, points64.view());
-  const double bound = hbTestSets::semiNodalBound(grid);
+  const double bound = hb::semiNodalBound(grid);
   // What is stored is rounded to 32 bits, once for the surpluses' sum; the rest is in 64.
-  const double bound64 = 2.0 * 0x1p-24 * hbTestSets::amplitude(grid);
+  const double bound64 = 2.0 * 0x1p-24 * hb::amplitude(grid);
   ASSERT_EQ(values.value, values.valueAgain);
   ASSERT_EQ(values64.value, values64.valueAgain);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -106,8 +107,8 @@ TEST(hbSemiNodalGrid, AlignedNoiseIsWithinTheBoundsOfEveryEngine) {
     const hbTestValues<float> direct(grid, points.view()), combination(hbCombinationSparseGrid(grid), points.view());
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double value = grid.calcValue(points.at(i), 0);
-      ASSERT_NEAR(direct.value[i], value, hbTestSets::directBound(grid));
-      ASSERT_NEAR(combination.value[i], value, hbTestSets::combinationBound(set, 1.0) + hbTestSets::directBound(grid));
+      ASSERT_NEAR(direct.value[i], value, hb::directBound(grid));
+      ASSERT_NEAR(combination.value[i], value, hb::combinationBound(set, 1.0) + hb::directBound(grid));
     }
   }
 }
@@ -174,7 +175,7 @@ RC_GTEST_PROP(hbSemiNodalGrid, LatticesAreTheValuesAtTheirPoints, ()) {
   constexpr std::size_t kStrideY = 5, kStrideZ = 11; // with gaps, which stay untouched
   std::vector<float> out(kStrideZ * zs.size(), -99.0F);
   field.lattice(xs, ys, zs, 0, out.data(), kStrideY, kStrideZ);
-  const double tolerance = 3.0 * 0x1p-24 * hbTestSets::amplitude(grid); // what is stored, and the result
+  const double tolerance = 3.0 * 0x1p-24 * hb::amplitude(grid); // what is stored, and the result
   for (std::size_t k = 0; k < zs.size(); ++k)
     for (std::size_t j = 0; j < ys.size(); ++j) {
       for (std::size_t i = 0; i < xs.size(); ++i)
@@ -230,7 +231,7 @@ TEST(hbSemiNodalGrid, HasEveryComponentAndTheFrameOfItsGrid) {
   for (int c = 0; c < 2; ++c) {
     const hbTestValues<float> found(field, points.view(), c);
     for (std::size_t i = 0; i < points.size(); ++i)
-      EXPECT_NEAR(found.value[i], grid.calcValue(points.at(i), c), hbTestSets::semiNodalBound(grid, c));
+      EXPECT_NEAR(found.value[i], grid.calcValue(points.at(i), c), hb::semiNodalBound(grid, c));
   }
 }
 

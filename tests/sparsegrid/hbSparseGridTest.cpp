@@ -8,6 +8,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <rapidcheck/gtest.h>
 
+#include "sparsegrid/hbRoundingBounds.h"
 #include "tests/sparsegrid/hbTestPoints.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
@@ -16,7 +17,7 @@
 
 namespace {
 
-using hbTestSets::directBound;
+using hb::directBound;
 
 hbGeometry cubeOf(const hbSize3& size) {
   hbGeometry g;
@@ -59,7 +60,7 @@ RC_GTEST_PROP(hbSparseGrid, TheReferenceIsTheDefinition, ()) {
   for (std::size_t i = 0; i < 4; ++i) {
     // 64 bits throughout; a sum of at most 2000 terms below the amplitude.
     RC_ASSERT(std::abs(grid.calcValue(points.at(i), 0) - naive(grid, points.at(i))) <=
-              4096 * 0x1p-53 * hbTestSets::amplitude(grid));
+              4096 * 0x1p-53 * hb::amplitude(grid));
   }
 }
 
@@ -85,7 +86,7 @@ RC_GTEST_PROP(hbSparseGrid, InterpolatesAtEveryNode, ()) {
   };
   // Nodes are exact in floats and their weights dyadic: what remains is the rounding of surpluses (and of the field to
   // floats).
-  const double tolerance = 2.0 * 0x1p-24 * hbTestSets::amplitude(grid);
+  const double tolerance = 2.0 * 0x1p-24 * hb::amplitude(grid);
   for (const hbSubspace& s : set.subspaces())
     for (std::int64_t k = 0; k < s.nodes.z; ++k)
       for (std::int64_t j = 0; j < s.nodes.y; ++j)
@@ -147,7 +148,7 @@ RC_GTEST_PROP(hbSparseGrid, GradientsAreThoseOfTheInterpolantInsideCells, ()) {
     glm::dvec3 step(0.0);
     step[d] = h[d];
     const double difference = (grid.calcValue(p + step, 0) - grid.calcValue(p - step, 0)) / (2.0 * h[d]);
-    RC_ASSERT(std::abs(difference - gradient[d]) <= 4096 * 0x1p-53 * hbTestSets::amplitude(grid) / h[d]);
+    RC_ASSERT(std::abs(difference - gradient[d]) <= 4096 * 0x1p-53 * hb::amplitude(grid) / h[d]);
   }
   // The 32-bit ones, at the same point: the slopes are up to 2^l times larger than the weights.
   const std::array<float, 3> q{float(p.x), float(p.y), float(p.z)};
@@ -184,8 +185,7 @@ RC_GTEST_PROP(hbSparseGrid, LatticesAreTheValuesAtTheirPoints, ()) {
   const std::size_t strideY = xs.size() + 1, strideZ = strideY * ys.size() + 1; // with gaps, which stay untouched
   std::vector<float> out(strideZ * zs.size(), -99.0F);
   grid.lattice(xs, ys, zs, 0, out.data(), strideY, strideZ);
-  const double tolerance = std::max(
-      {hbTestSets::latticeBound(grid, 0), hbTestSets::latticeBound(grid, 1), hbTestSets::latticeBound(grid, 2)});
+  const double tolerance = std::max({hb::latticeBound(grid, 0), hb::latticeBound(grid, 1), hb::latticeBound(grid, 2)});
   for (std::size_t k = 0; k < zs.size(); ++k)
     for (std::size_t j = 0; j < ys.size(); ++j) {
       for (std::size_t i = 0; i < xs.size(); ++i)
@@ -230,7 +230,7 @@ RC_GTEST_PROP(hbSparseGrid, AFullAlignedSetHoldsEverySample, ()) {
   grid.lattice(at[0], at[1], at[2], 0, out.data(), std::size_t(size.x), std::size_t(size.x * size.y));
   for (std::size_t i = 0; i < out.size(); ++i) {
     RC_ASSERT(std::nearbyint(out[i]) == float(samples[i]));
-    RC_ASSERT(std::abs(out[i] - float(samples[i])) <= 2.0 * 0x1p-24 * hbTestSets::amplitude(grid));
+    RC_ASSERT(std::abs(out[i] - float(samples[i])) <= 2.0 * 0x1p-24 * hb::amplitude(grid));
   }
 }
 
