@@ -2,12 +2,12 @@
 
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "glcombine/hbGlContext.h"
-#include "glcombine/hbGlQuad.h"
-#include "glcombine/hbGlTarget.h"
+#include "glcombine/hbOglPoints.h"
 #include "glcombine/hbOglRoundingBounds.h"
 #include "tests/sparsegrid/hbTestPoints.h"
 #include "tests/sparsegrid/hbTestSets.h"
@@ -20,29 +20,9 @@ class hbOglValuesTest : public testing::TestWithParam<hbGlContext::Kind> {
 protected:
   hbOglValuesTest() : context_(hbGlContext::create(GetParam())), current_(*context_) {}
 
-  /// The values at points, by a shader that does nothing else.
   std::vector<float> valuesAt(const hbOglValues& values, const hbTestPoints& points) const {
-    const hbGlFunctions& gl = context_->gl();
-    const hbGlProgram program(gl, hbGlQuad::kVertexShader, "#version 330 core\n" + values.glsl() + R"(
-uniform sampler2D points;
-out float value;
-void main() { value = valueAt(texelFetch(points, ivec2(gl_FragCoord.xy), 0).rgb); })");
-    std::vector<glm::vec3> texels;
-    for (std::size_t i = 0; i < points.size(); ++i) texels.push_back(points.at(i));
-    const hbGlTexture texture(gl, GL_TEXTURE_2D);
-    gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, GLsizei(points.size()), 1, 0, GL_RGB, GL_FLOAT, texels.data());
-    texture.setFilter(GL_NEAREST);
-    const hbGlTarget target(gl, int(points.size()), 1, hbGlFormat::r32f);
-    const hbGlQuad quad(gl);
-    program.use();
-    values.set(program, 3);
-    texture.bind(0);
-    program.set("points", 0);
-    quad.bind();
-    quad.draw();
-    std::vector<float> out;
-    target.read(out);
+    std::vector<float> out(points.size());
+    hbOglPoints(*context_, values).values(points.view(), out);
     return out;
   }
 
