@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "raycast/hbRaycaster.h"
+#include "raycast/hbShearReference.h"
 #include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbDvrBounds.h"
 #include "tests/raycast/hbDvrScenes.h"
 #include "tests/raycast/hbLitBounds.h"
-#include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 #include "volume/hbError.h"
 

@@ -7,11 +7,11 @@
 
 #include "raycast/hbMatter.h"
 #include "raycast/hbRaycaster.h"
+#include "raycast/hbShearReference.h"
 #include "raycast/hbSliceLight.h"
 #include "scene/hbColorSpace.h"
 #include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbDvrScenes.h"
-#include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 #include "volume/hbError.h"
 #include "volume/hbMagnitudeField.h"

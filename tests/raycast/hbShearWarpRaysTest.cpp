@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "raycast/hbRaycaster.h"
+#include "raycast/hbShearReference.h"
 #include "sparsegrid/hbRoundingBounds.h"
-#include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 
 using namespace hbTestScenes;

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include "raycast/hbShearReference.h"
 #include "sparsegrid/hbRoundingBounds.h"
-#include "tests/raycast/hbShearReference.h"
 #include "tests/raycast/hbTestScenes.h"
 #include "volume/hbError.h"
 
