@@ -109,10 +109,15 @@ hbValueMap hbVolume::chooseValueMap() const {
   const double middle = 0.5 * lo + 0.5 * hi, halfWidth = 0.5 * hi - 0.5 * lo; // neither overflows
   hbValueMap map;
   // Centre where a float's 24 bits would be spent on the common offset: neighbouring integers (which differ by the
-  // slope) fall together, or a small signal rides on a large constant. A float32 file was content with its bits.
+  // slope) fall together, or a small signal rides on a large constant. 32-bit floats have lost what their own bits did
+  // not hold, but sums of them need not lose more; they are less than twice the offset, a float itself, and more than
+  // half of it, so that their differences from it are exact.
   const bool neighboursMeet = integer && largest > 0x1p24 * std::abs(slope_);
-  const bool offsetDominates = largest > 8.0 * halfWidth && (type_ == hbSampleType::float64 || !plain);
-  if (neighboursMeet || offsetDominates) map.offset = plain && integer ? std::nearbyint(middle) : middle;
+  const bool offsetDominates = largest > 8.0 * halfWidth && !(plain && integer);
+  if (neighboursMeet || offsetDominates)
+    map.offset = !plain || type_ == hbSampleType::float64 ? middle
+                 : integer                                ? std::nearbyint(middle)
+                                                          : double(float(middle));
   // Scale by a power of two where a float's exponent does not reach; leave room for differences and sums over the grid.
   const double rest = std::max(std::abs(lo - map.offset), std::abs(hi - map.offset));
   constexpr double kRoom = 1e30;

@@ -42,6 +42,7 @@ public:
   Wrapped(const hbField& field, bool isLocal) : field_(field), isLocal_(isLocal) {}
   const hbGeometry& geometry() const override { return field_.geometry(); }
   int components() const override { return field_.components(); }
+  hbValueMap valueMap() const override { return field_.valueMap(); }
   void values(const hbPoints& points, int component, std::span<float> out) const override {
     evaluated += points.size();
     field_.values(points, component, out);

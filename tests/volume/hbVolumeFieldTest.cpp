@@ -120,6 +120,25 @@ TEST(hbVolumeField, SlopesThatMakeNeighboursMeetAreCentred) {
   EXPECT_NEAR(a, 1000.00001, 1e-12 + 1000 * 0x1p-52);
 }
 
+// The offset is a float, and every sample between half of it and twice it: differences are exact (Sterbenz).
+TEST(hbVolumeField, FloatsWithALargeOffsetAreCentredExactly) {
+  for (const float sign : {1.0F, -1.0F}) {
+    std::vector<float> samples;
+    for (int i = 0; i < 64; ++i) samples.push_back(sign * (1e6F + float(i * i % 61) / 16.0F));
+    const hbVolumeField field(hbVolume::fromSamples<float>(cubeOf({64, 1, 1}), samples));
+    EXPECT_NEAR(field.valueMap().offset, double(sign) * 1e6, 4.0);
+    std::vector<float> values(samples.size());
+    field.lattice(field.geometry().cubeCoordinates(0), std::vector{0.5}, std::vector{0.5}, 0, values.data(), 0, 0);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      EXPECT_EQ(field.valueMap().toTrue(double(values[i])), double(samples[i])) << i;
+  }
+}
+
+TEST(hbVolumeField, FloatsAroundZeroAreNot) {
+  const hbVolumeField field(hbVolume::fromSamples<float>(cubeOf({3, 1, 1}), {-1.0F, 4.0F, 6.0F}));
+  EXPECT_TRUE(field.valueMap().isIdentity());
+}
+
 TEST(hbVolumeField, TheGradientIsThatOfTheInterpolant) {
   // f = 2x - 3y + 5z + 4xy is trilinear, so its interpolant and gradient are exact up to rounding:
   // values up to 11, four lerps a component: below 64 eps * 11 * cells.
