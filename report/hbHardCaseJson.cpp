@@ -1,0 +1,43 @@
+#include "report/hbHardCaseJson.h"
+
+#include <array>
+
+namespace {
+
+using Json = hb::ReportJson;
+
+Json resultOf(const hbHardCaseResult& result) {
+  constexpr std::array<const char*, 3> kStatus{"done", "refused", "failed"};
+  const bool isDone = result.status == hbHardCaseResult::Status::done;
+  const auto number = [&](double value) { return isDone ? hb::finiteOrNull(value) : Json(); };
+  return {{"engine", result.way.name()},
+          {"format", result.way.formatName()},
+          {"error", number(result.error)},
+          {"bound", number(result.bound)},
+          {"share", number(result.share)},
+          {"within_bound", result.isWithinBound()},
+          {"stable", result.stable},
+          {"status", kStatus[std::size_t(result.status)]},
+          {"note", result.note}};
+}
+
+} // namespace
+
+hb::ReportJson hb::toJson(const std::vector<hbHardCaseResults>& cases) {
+  Json list = Json::array();
+  for (const hbHardCaseResults& one : cases) {
+    Json results = Json::array();
+    for (const hbHardCaseResult& result : one.results) results.push_back(resultOf(result));
+    const hbHardCaseResult* best = one.mostStable();
+    list.push_back({{"name", one.name},
+                    {"why", one.why},
+                    {"amplification", one.coefficients},
+                    {"range", one.range},
+                    {"hierarchical_terms", one.hierarchicalTerms},
+                    {"combination_terms", one.combinationTerms},
+                    {"results", std::move(results)},
+                    {"most_stable", best ? best->way.label() : "none"},
+                    {"reason", one.reason()}});
+  }
+  return {{"cases", std::move(list)}};
+}

@@ -1,0 +1,125 @@
+#include "report/hbHardCaseResults.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "glcombine/hbGlContext.h"
+#include "report/hbHardCaseMeasurement.h"
+#include "sparsegrid/hbRoundingBounds.h"
+#include "volume/hbError.h"
+
+namespace {
+
+using Status = hbHardCaseResult::Status;
+
+/// A context, current as long as this lives, or why there is none.
+class Device {
+public:
+  Device() {
+    try {
+      context_ = hbGlContext::create();
+      current_.emplace(*context_);
+    } catch (const hbError& error) {
+      why_ = error.what();
+    }
+  }
+  const hbGlContext* context() const { return current_ ? context_.get() : nullptr; }
+  const std::string& why() const { return why_; }
+
+private:
+  std::unique_ptr<hbGlContext> context_;
+  std::optional<hbGlCurrent> current_;
+  std::string why_;
+};
+
+hbHardCaseResult failure(const hbHardCaseWay& way, Status status, const std::string& note) {
+  hbHardCaseResult result;
+  result.way = way;
+  result.status = status;
+  result.note = note;
+  return result;
+}
+
+hbHardCaseResult measured(const hbHardCaseMeasurement& measurement, const hbHardCaseWay& way,
+                          const hbGlContext* context) {
+  hbHardCaseResult result;
+  result.way = way;
+  for (const hbHardCaseError& one : measurement.errors(way, context)) {
+    result.error = std::max(result.error, one.error);
+    result.bound = std::max(result.bound, one.bound);
+    if (one.error > 0.0) result.share = std::max(result.share, one.error / one.bound);
+  }
+  result.stable = result.error <= hbHardCaseResult::kStable * measurement.range();
+  return result;
+}
+
+hbHardCaseResult tried(const hbHardCaseMeasurement& measurement, const hbHardCaseWay& way, const hbGlContext* context,
+                       const std::string& whyNone) {
+  if (way.isOpenGl() && !context) return failure(way, Status::refused, whyNone);
+  try {
+    return measured(measurement, way, context);
+  } catch (const hbCancelled&) {
+    throw;
+  } catch (const hbError& error) {
+    return failure(way, Status::refused, error.what());
+  } catch (const std::exception& error) {
+    return failure(way, Status::failed, error.what());
+  }
+}
+
+} // namespace
+
+const hbHardCaseResult* hbHardCaseResults::mostStable() const {
+  const hbHardCaseResult* best = nullptr;
+  for (const hbHardCaseResult& one : results) {
+    if (one.status != Status::done || one.way.engine == hbHardCaseWay::Engine::stored) continue;
+    if (!best || one.error < best->error) best = &one;
+  }
+  return best;
+}
+
+std::string hbHardCaseResults::reason() const {
+  const hbHardCaseResult* best = mostStable();
+  if (!best) return "no way took it";
+  const auto count = [&](auto test) { return std::count_if(results.begin(), results.end(), test); };
+  const auto isFloat = [](const hbHardCaseResult& one) {
+    return one.status == Status::done && one.way.engine != hbHardCaseWay::Engine::stored &&
+           one.way.format == hbGlFormat::r32f;
+  };
+  const auto floats = count(isFloat), stable = count([&](const auto&one) { return isFloat(one) && one.stable; });
+  return fmt::format("terms at a point add up to {:.3g} times the range in the hierarchical basis, to {:.3g} in the "
+                     "combination; {} of {} ways in 32 bits lose no more than 4 bits of it",
+                     hierarchicalTerms, combinationTerms, stable, floats);
+}
+
+hbHardCaseResult hb::measureHardCase(const hbHardCase::Problem& problem, const hbHardCaseWay& way,
+                                     const hbGlContext* context) {
+  return tried(*hbHardCaseMeasurement::of(problem), way, context, "OpenGL: expected a context, found none");
+}
+
+std::vector<hbHardCaseResults> hb::runHardCases(hbProgress& progress) {
+  const std::vector<hbHardCaseWay> ways = hbHardCaseWay::all();
+  const Device device;
+  progress.begin("hard cases", std::int64_t(hardCases().size() * ways.size()), "measurements");
+  std::vector<hbHardCaseResults> list;
+  for (const hbHardCase& one : hardCases()) {
+    const hbHardCase::Problem problem = one.make();
+    const auto measurement = hbHardCaseMeasurement::of(problem);
+    const hbHardCaseMeasurement::Amplification terms = measurement->amplification();
+    hbHardCaseResults& results = list.emplace_back();
+    results.name = one.name;
+    results.why = one.why;
+    results.coefficients = amplification(problem.grid.indexSet());
+    results.range = measurement->range();
+    results.hierarchicalTerms = terms.hierarchical;
+    results.combinationTerms = terms.combination;
+    for (const hbHardCaseWay& way : ways) {
+      results.results.push_back(tried(*measurement, way, device.context(), device.why()));
+      progress.advance(1);
+    }
+  }
+  return list;
+}

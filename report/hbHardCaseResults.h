@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/hbHardCase.h"
+#include "report/hbHardCaseWay.h"
+#include "volume/hbProgress.h"
+
+class hbGlContext;
+
+/// What one way made of a hard case. Errors are in true values; of iso-surfaces, of the values along rays.
+struct hbHardCaseResult {
+  enum class Status : std::uint8_t {
+    done,
+    refused, ///< The engine cannot take the grid, and says so in `note`.
+    failed   ///< Something else went wrong: see `note`.
+  };
+  hbHardCaseWay way;
+  Status status = Status::done;
+  double error = 0.0, bound = 0.0; ///< The greatest of each.
+  double share = 0.0;              ///< The greatest error of a point or pixel in parts of its own bound.
+  bool stable = false;             ///< See kStable.
+  std::string note;
+
+  /// A way is stable where it loses no more than 4 of a float's 24 bits of the values' range.
+  static constexpr double kStable = 0x1p-20;
+  bool isWithinBound() const { return status == Status::done && share <= 1.0; }
+};
+
+/// A hard case and what all ways made of it.
+struct hbHardCaseResults {
+  std::string name, why;
+  double coefficients = 0.0; ///< Sum of the combination's coefficients' magnitudes.
+  double range = 0.0;        ///< How far exact values lie apart.
+  /// What is added up at a point at the most, in parts of the range: of the hierarchical basis and of the combination.
+  double hierarchicalTerms = 0.0, combinationTerms = 0.0;
+  std::vector<hbHardCaseResult> results; ///< In the order of hbHardCaseWay::all().
+
+  /// The way that evaluates with the least error; none: all were refused.
+  const hbHardCaseResult* mostStable() const;
+  /// Why, in one line.
+  std::string reason() const;
+};
+
+namespace hb {
+
+/// One case, by one way. `context`: current, for OpenGL alone; none: that is refused. Throws hbCancelled.
+hbHardCaseResult measureHardCase(const hbHardCase::Problem& problem, const hbHardCaseWay& way,
+                                 const hbGlContext* context);
+
+/// All cases by all ways, in a minute or so; an engine that throws is a result. OpenGL is OSMesa or EGL, whichever
+/// there is, or refused. Throws hbCancelled.
+std::vector<hbHardCaseResults> runHardCases(hbProgress& progress = hbProgress::none());
+
+} // namespace hb
