@@ -1,0 +1,46 @@
+#include "apps/ComparisonText.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace {
+
+void printHardCases(const nlohmann::ordered_json& hard) {
+  if (hard.is_null()) return;
+  int done = 0, within = 0;
+  for (const auto& one : hard["cases"])
+    for (const auto& result : one["results"])
+      if (result["status"] == "done") {
+        ++done;
+        within += result["within_bound"] == true ? 1 : 0;
+      }
+  fmt::print("\nhard cases: {} of {} results are within their bounds\n", within, done);
+}
+
+} // namespace
+
+void app::printComparison(const nlohmann::ordered_json& report, const std::string& out) {
+  fmt::print("{:<28} {:>10} {:>12} {:>10} {:>10} {:>10}\n", "choice", "kB", "bits/sample", "max error", "RMSE", "PSNR");
+  for (const auto& choice : report["choices"]) {
+    if (choice["status"] != "done") {
+      fmt::print("{:<28} failed: {}\n", choice["label"].get<std::string>(), choice["error"].get<std::string>());
+      continue;
+    }
+    const auto& values = choice["values"];
+    fmt::print("{:<28} {:>10.1f} {:>12.4f} {:>10.4g} {:>10.4g} {:>10}\n", choice["label"].get<std::string>(),
+               choice["bytes"].get<double>() / 1024.0, choice["bits_per_sample"].get<double>(),
+               values["max"].get<double>(), values["rmse"].get<double>(),
+               values["psnr"].is_null() ? "equal" : fmt::format("{:.2f} dB", values["psnr"].get<double>()));
+  }
+  fmt::print("\n");
+  for (const auto& one : report["recommendations"])
+    fmt::print("for {}: {}\n", one["question"].get<std::string>(), one["answer"].get<std::string>());
+  const auto failed = std::count_if(report["cases"].begin(), report["cases"].end(),
+                                    [](const auto& one) { return one["status"] != "done"; });
+  if (failed > 0) fmt::print("\n{} of {} cases failed; the page says why\n", failed, report["cases"].size());
+  printHardCases(report["hard_cases"]);
+  fmt::print("\n{}\n", (std::filesystem::path(out) / "index.html").string());
+}
