@@ -85,7 +85,7 @@ void app::ComparisonOptions::addTo(CLI::App& subcommand) {
   subcommand.add_option("--max-bytes", what.limits.bytes, "... size, as in 100kB (1 % of the volume's)")
       ->transform(CLI::AsSizeValue(false))
       ->group("Recommendations");
-  subcommand.add_flag("!--no-peers", what.withPeers, "Leave out zfp and VTK, which take part where they are installed");
+  subcommand.add_flag("--no-peers", noPeers, "Leave out zfp and VTK, which take part where they are installed");
   subcommand.add_flag("--hard-cases", hardCases,
                       "Also measure what rounding does to fields and views where it hurts, by every engine");
   subcommand.add_flag("--restart", what.restart, "Begin anew in a folder that holds a comparison");
@@ -99,6 +99,7 @@ void app::ComparisonOptions::complete(const CommonOptions& common) {
   for (const std::string& name : modes) what.modes.push_back(hb::modeFromName(name));
   what.scene.sampling.samples = 1; // until the scene is known
   what.validate();
+  if (noPeers) what.peerFolders.reset();
   what.nonFinite = input.nanValue;
   what.threads = common.threads;
   what.memoryLimit = common.memoryLimit();

@@ -16,7 +16,7 @@ struct ComparisonOptions {
   hbComparison what; ///< All but its scene, once complete() was called.
   std::string out;
   std::vector<std::string> engines, modes;
-  bool hardCases = false;
+  bool hardCases = false, noPeers = false;
 
   /// This must live as long as the subcommand.
   void addTo(CLI::App& subcommand);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "glcombine/hbRenderer.h"
+#include "report/hbPeers.h"
 #include "scene/hbScene.h"
 
 /// What `hbvol compare` sets beside each other: sparse grids of several levels, drawn by several engines in several
@@ -43,7 +45,8 @@ struct hbComparison {
   std::vector<hbMode> modes{hbMode::xray, hbMode::mip, hbMode::iso, hbMode::dvr}; ///< Not slices.
   hbScene scene;   ///< Everything but the mode. `sampling.samples` must be given; labels and slices are not drawn.
   int repeats = 5; ///< Frames timed of a case, after one to warm up; fewer where they would take over kMostSeconds.
-  bool withPeers = true;           ///< Other programs beside ours, where they are found (hbPeers).
+  /// Where other programs are looked for, to be put beside ours (hbPeers); none: they take no part.
+  std::optional<std::vector<std::filesystem::path>> peerFolders = hbPeers::folders();
   bool restart = false;            ///< Begin anew in a folder that holds a comparison.
   std::optional<double> nonFinite; ///< What NaN and infinite samples count as; none: they are refused.
   int threads = 0;                 ///< For the record, and Mesa's; 0: one a core.

@@ -33,8 +33,8 @@ hbPicture lumaOf(const hbImage8& image) {
 
 hbComparisonPeers::hbComparisonPeers(const hbComparisonSource& source, const hbComparison& what,
                                      const hbComparisonFolder& folder)
-    : source_(source), what_(what), folder_(folder), isAsked_(what.withPeers && source.volume().components() == 1),
-      place_(folder.path() / "peers") {}
+    : source_(source), what_(what), folder_(folder), peers_(what.peerFolders.value_or(std::vector<fs::path>())),
+      isAsked_(what.peerFolders && source.volume().components() == 1), place_(folder.path() / "peers") {}
 
 hbComparisonPeers::~hbComparisonPeers() {
   std::error_code ignored;

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "report/hbExternalProgram.h"
@@ -22,7 +23,7 @@ protected:
                                  "--engines", "seminodal,lattice",
                                  "--size",    "16x12",
                                  "--samples", "8",
-                                 "--repeat",  "2"};
+                                 "--repeat", "2", "--no-peers"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
@@ -113,8 +114,9 @@ TEST_F(compare, RefusesAnotherComparisonInItsFolder) {
 
 TEST_F(compare, ACaseThatFailsDoesNotEndTheRest) {
   // Extracting 33^3 floats does not fit; neither does the volume as it is, which is only sampled once.
-  const hbProgramRun found = run({"compare", "field:hydrogen,size=33", "--out", "out", "--levels", "2..2", "--engines",
-                                  "full,seminodal", "--modes", "mip", "--size", "16x12", "--memory", "143748"});
+  const hbProgramRun found =
+      run({"compare", "field:hydrogen,size=33", "--out", "out", "--levels", "2..2", "--engines", "full,seminodal",
+           "--modes", "mip", "--size", "16x12", "--memory", "143748", "--no-peers"});
   EXPECT_EQ(found.exitCode, 0) << found.text();
   const auto report = json("out/report.json");
   ASSERT_EQ(report["cases"].size(), 4U);
@@ -123,6 +125,40 @@ TEST_F(compare, ACaseThatFailsDoesNotEndTheRest) {
   EXPECT_EQ(report["cases"][2]["status"], "done");
   EXPECT_NE(found.out.find("cases failed"), std::string::npos) << found.out;
   EXPECT_EQ(faultsOfPage(), "");
+}
+
+TEST_F(compare, MeasuresHardCasesWhereAsked) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "minutes of OpenGL; tests/hard_cases has them one by one";
+#endif
+  const hbProgramRun found = run(arguments({"--modes", "mip", "--hard-cases"}));
+  EXPECT_RUNS(found);
+  const auto report = json("out/report.json");
+  std::size_t done = 0;
+  for (const auto& one : report["hard_cases"]["cases"])
+    for (const auto& result : one["results"]) {
+      if (result["status"] != "done") continue;
+      ++done;
+      EXPECT_TRUE(result["within_bound"]) << one["name"] << result;
+    }
+  EXPECT_GT(done, 100U);
+  EXPECT_NE(found.out.find(fmt::format("hard cases: {0} of {0} results are within their bounds", done)),
+            std::string::npos)
+      << found.out;
+  EXPECT_EQ(faultsOfPage(), "");
+}
+
+TEST_F(compare, TakesTheSceneOfAFile) {
+  EXPECT_RUNS(run({"render", "field:hydrogen,size=17", "x.exr", "--mode", "iso", "--iso", "2", "--size", "20x10",
+                   "--samples", "9", "--azimuth", "70", "--save-scene", "s.json"}));
+  EXPECT_RUNS(run({"compare", "field:hydrogen,size=17", "--out", "out", "--levels", "2", "--engines", "direct",
+                   "--modes", "iso", "--scene", "s.json", "--no-peers"}));
+  const auto report = json("out/report.json");
+  EXPECT_EQ(report["settings"]["width"], 20);
+  EXPECT_EQ(report["settings"]["samples"], 9);
+  EXPECT_EQ(report["settings"]["sampling"], "equidistant");
+  // The field itself is drawn by that scene.
+  EXPECT_EQ(run({"diff", "x.exr", "out/pictures/true-iso.exr", "--json"}).json()["max"], 0.0);
 }
 
 TEST_F(compare, RefusesBadOptionsAndFiles) {

@@ -1,6 +1,7 @@
 #include "report/hbComparisonRun.h"
 
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 
@@ -9,6 +10,7 @@
 #include "raycast/hbNominalSamples.h"
 #include "raycast/hbRaycaster.h"
 #include "report/hbPictureDifference.h"
+#include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
 #include "sparsegrid/hbSparseGridFile.h"
 #include "tests/report/hbTestVolumes.h"
@@ -48,6 +50,7 @@ protected:
     what_.scene.isoValue = 3.0;
     what_.repeats = 2;
     what_.version = "1.2.3";
+    what_.peerFolders.reset();
   }
 
   hbInput field() const { return hbInput::open(name_, {}); }
@@ -191,6 +194,55 @@ TEST_F(hbComparisonRunTest, TakesVolumesAndTheirComponents) {
   EXPECT_TRUE(report["cases"][3]["true_picture"].is_null());
   EXPECT_EQ(report["input"]["representation"], "volume");
   EXPECT_EQ(report["input"]["component"], 1);
+}
+
+TEST_F(hbComparisonRunTest, OtherProgramsTakePart) {
+  // Peers that are scripts: zfp loses nothing, VTK has one picture for all scenes and refuses X-rays.
+  const auto script = [&](const char* name, const std::string& text) {
+    std::ofstream(folder_ / name) << "#!/bin/sh\n" << text;
+    std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
+  };
+  script("hbvol_peer_zfp",
+         "[ $1 = --version ] && { echo zfp 9.8.7; exit; }\ncp \"$1\" \"$3\"\n"
+         "echo '{\"name\":\"zfp\",\"version\":\"9.8.7\",\"bytes\":500,\"mode\":\"rate\",\"parameter\":1.5,"
+         "\"rmse\":0,\"threads\":1,\"seconds_compress\":0.5,\"seconds_decompress\":1000}'\n");
+  script("hbvol_peer_vtk",
+         "[ $1 = --version ] && { echo vtk 9.1.0; exit; }\n"
+         "grep -q xray \"$2\" && { echo 'vtk: no X-ray' >&2; exit 3; }\n[ $3 = gpu ] && { echo broken >&2; exit 1; }\n"
+         "cp \"" +
+             (folder_ / "gray.png").string() +
+             "\" \"$5\"\n"
+             "echo '{\"name\":\"vtk\",\"version\":\"9.1.0\",\"renderer\":\"one\",\"step\":0.5,\"seconds_first\":2,"
+             "\"seconds_frames\":[0.5,0.25]}'\n");
+  const hbImage8 gray{12, 12, std::vector<std::uint8_t>(3 * 144, 100)};
+  hb::writePng(gray, folder_ / "gray.png");
+  what_.peerFolders = {{folder_.path()}};
+
+  const Json report = run();
+  EXPECT_EQ(report["peers"], (Json{{"zfp", "9.8.7"}, {"vtk", "9.1.0"}}));
+  const Json& packed = named(report["choices"], "zfp-3");
+  EXPECT_EQ(packed["bytes"], 500);
+  EXPECT_EQ(packed["values"]["max"], 0.0);
+  EXPECT_EQ(packed["seconds_build"], 0.5);
+  // The picture is there when zfp's own decompression is done, too.
+  const Json& drawn = named(report["cases"], "zfp-3-full-xray");
+  EXPECT_EQ(drawn["picture"]["max"], 0.0);
+  EXPECT_GT(drawn["seconds_first_picture"], 1000.0);
+  EXPECT_LT(drawn["seconds_warmup"], 1000.0);
+
+  EXPECT_THROW(named(report["cases"], "original-vtk-cpu-xray"), std::out_of_range);
+  const Json& vtk = named(report["cases"], "original-vtk-cpu-iso");
+  EXPECT_EQ(vtk["seconds_frame"]["median"], 0.5);
+  EXPECT_EQ(vtk["seconds_frame"]["min"], 0.25);
+  EXPECT_EQ(vtk["image_only"], true);
+  const hbPicture reference = hb::readExr(folder_ / "out" / "pictures" / "reference-iso.exr");
+  hbScene scene = hb::sceneFromJson(reference.metadata.at(hbPicture::kSceneKey), "scene");
+  scene.window = hb::displayWindow(reference, scene);
+  EXPECT_EQ(vtk["picture"], hb::reportJson(hb::pictureDifference(hb::displayImage(reference, scene), gray)));
+  const Json& broken = named(report["cases"], "original-vtk-gpu-iso");
+  EXPECT_EQ(broken["status"], "failed");
+  EXPECT_NE(broken["error"].get<std::string>().find("broken"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "peers"));
 }
 
 TEST(hbComparisonSource, ChecksTheMemoryOfAFullGrid) {
