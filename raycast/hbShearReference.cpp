@@ -69,7 +69,7 @@ std::vector<hbShearReference::Neighbour> hbShearReference::neighbours(double px,
 }
 
 const hbShearReference::Samples& hbShearReference::samples(const hbShearFactorisation& f, int i, int j) {
-  const auto [known, isNew] = samples_.try_emplace({&f, i, j});
+  const auto [known, isNew] = samples_.try_emplace(Key(&f, i, j));
   if (!isNew) return known->second;
   Samples& result = known->second;
   for (int n = f.firstSlice(); n < f.slices(); ++n) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <tuple>
 #include <vector>
 
 #include "raycast/hbShearFactorisation.h"
@@ -61,11 +62,7 @@ public:
   double rounding() const;
 
 private:
-  struct Key {
-    const hbShearFactorisation* rays;
-    int i, j;
-    auto operator<=>(const Key&) const = default;
-  };
+  using Key = std::tuple<const hbShearFactorisation*, int, int>;
 
   const hbSparseGrid& grid_;
   hbScene scene_;

@@ -228,7 +228,8 @@ Problem surface(const Formula& f, int samples, IsoOf isoOf) {
       pictureOf(hbMode::iso, hbCamera::framing(problem.grid.geometry(), 0.0, 0.0, Projection::orthographic), samples);
   scene.isoValue = 0.0;
   const hbPlaneRays rays(problem.grid, scene);
-  const std::size_t pixel = std::size_t(scene.width * (scene.height / 2 - 2) + scene.width / 2 + 1);
+  constexpr std::size_t kColumn = 9, kRow = 6; // of 16
+  const std::size_t pixel = kColumn + kRow * std::size_t(scene.width);
   std::vector<double> values;
   for (int i = rays.rays()[pixel].first; i <= rays.rays()[pixel].last; ++i)
     values.push_back(problem.grid.calcValue(rays.at(pixel, i), 0));
@@ -357,8 +358,8 @@ std::vector<hbHardCase> pictureCases() {
 } // namespace
 
 std::vector<double> hbHardCase::Patch::along(int axis) const {
-  std::vector<double> places;
-  for (int i = 0; i < count[axis]; ++i) places.push_back(first[axis] + i * step[axis]);
+  std::vector<double> places(static_cast<std::size_t>(count[axis]));
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = first[axis] + double(i) * step[axis];
   return places;
 }
 

@@ -54,9 +54,8 @@ public:
   /// The greatest step between two samples beside a place.
   double step(double place) const {
     double most = 0.0;
-    for (double k = std::floor(place) - 1.0; k <= std::floor(place) + 1.0; ++k)
-      if (k >= 0.0 && k + 1.0 < double(values_.size()))
-        most = std::max(most, std::abs(values_[std::size_t(k) + 1] - values_[std::size_t(k)]));
+    for (std::size_t k = 0; k + 1 < values_.size(); ++k)
+      if (std::abs(double(k) + 0.5 - place) < 2.0) most = std::max(most, std::abs(values_[k + 1] - values_[k]));
     return most;
   }
 
@@ -190,7 +189,8 @@ double hbHardCasePicture::boundAt(const hbHardCaseWay& way, const hbOglPointBoun
 glm::dvec3 hbHardCasePicture::shaderOff(std::size_t pixel, int plane) const {
   const hbPlaneRays::Plane first = rays_.plane(0), last = rays_.plane(rays_.planes() - 1);
   const auto width = std::size_t(problem_.scene->width);
-  const double x = double(pixel % width) + 0.5, y = double(pixel / width) + 0.5;
+  const std::size_t column = pixel % width, row = pixel / width;
+  const double x = double(column) + 0.5, y = double(row) + 0.5;
   const double part = double(plane) / std::max(1, rays_.planes() - 1);
   const auto magnitude = [&](const glm::dvec3& a, const glm::dvec3& b) { return glm::abs(a) + part * glm::abs(b - a); };
   return 6.0 * kUnit *
@@ -244,7 +244,8 @@ std::vector<hbHardCaseError> hbHardCasePicture::shearErrors(const hbPicture& pic
   hbShearReference reference(problem_.grid, scene);
   std::vector<hbHardCaseError> list;
   for (std::size_t pixel = 0; pixel < ys.size(); ++pixel) {
-    const double x = double(pixel % std::size_t(scene.width)) + 0.5, y = double(pixel / std::size_t(scene.width)) + 0.5;
+    const std::size_t column = pixel % std::size_t(scene.width), row = pixel / std::size_t(scene.width);
+    const double x = double(column) + 0.5, y = double(row) + 0.5;
     const auto segment = hb::clipToCube(scene.camera->ray(x, y, scene.width, scene.height), rays_.worldToCube());
     if (!segment) continue;
     double sum = 0.0, weights = 0.0, largest = 0.0, bound = reference.rounding();
