@@ -67,9 +67,18 @@ hbComparisonRun::hbComparisonRun(const hbComparisonSource& source, const hbCompa
     scene.camera = scene.cameraFor(source.volume().geometry());
     if (mode != hbMode::iso) scene.isoValue.reset();
     if (mode != hbMode::dvr) scene.transfer.reset();
-    hb::completeScene(scene, source.field());
-    scenes_[mode] = std::move(scene);
+    try {
+      hb::completeScene(scene, source.field());
+      scenes_[mode] = std::move(scene);
+    } catch (const hbError& error) {
+      sceneErrors_[mode] = error.what();
+    }
   }
+}
+
+const hbScene& hbComparisonRun::sceneOf(hbMode mode) const {
+  if (const auto error = sceneErrors_.find(mode); error != sceneErrors_.end()) throw hbError(error->second);
+  return scenes_.at(mode);
 }
 
 std::vector<hbComparisonRun::Case> hbComparisonRun::casesOf(const hbComparisonChoice& choice) const {
@@ -84,7 +93,7 @@ std::vector<hbComparisonRun::Case> hbComparisonRun::casesOf(const hbComparisonCh
 
 hbPicture hbComparisonRun::draw(const hbField& field, hbMode mode, hbProgress& progress) const {
   hbInnerProgress inner(progress);
-  return hbRenderer::create(hbEngine::full, source_.input(), field, scenes_.at(mode), {})->render(inner);
+  return hbRenderer::create(hbEngine::full, source_.input(), field, sceneOf(mode), {})->render(inner);
 }
 
 const hbPicture& hbComparisonRun::reference(hbMode mode, bool isTrue, hbProgress& progress) {
@@ -105,7 +114,7 @@ void hbComparisonRun::compare(const hbPicture& picture, const Case& one, Json& r
   record["true_picture"] =
       truth == references_.end() ? Json() : hb::reportJson(hb::pictureDifference(truth->second, picture));
 
-  const hbScene& scene = scenes_.at(one.mode);
+  const hbScene& scene = sceneOf(one.mode);
   const auto window = hb::displayWindow(reference, scene);
   record["image"] = hbComparisonFolder::picture(one.key);
   hb::writePng(hb::displayImage(picture, scene, window), folder_.path() / record["image"].get<std::string>());
@@ -135,8 +144,7 @@ Json hbComparisonRun::measured(const hbComparisonChoice& choice, const Case& one
   hbRenderer::Options options;
   options.openGl.form = one.engine.form;
   options.threads = what_.threads;
-  const auto renderer =
-      hbRenderer::create(one.engine.engine, input, *field, scenes_.at(one.mode), options, checkMemory);
+  const auto renderer = hbRenderer::create(one.engine.engine, input, *field, sceneOf(one.mode), options, checkMemory);
   // Of zfp, the plain volume is read here; unpacking it was measured by itself.
   const double unpack = choice.record.value("seconds_unpack", 0.0);
   const double build = unpack + secondsSince(begin);
@@ -151,7 +159,7 @@ Json hbComparisonRun::measured(const hbComparisonChoice& choice, const Case& one
   }
   std::sort(frames.begin(), frames.end());
   const double median = frames[frames.size() / 2];
-  const double samples = hb::nominalSamples(source_.volume().geometry(), scenes_.at(one.mode));
+  const double samples = hb::nominalSamples(source_.volume().geometry(), sceneOf(one.mode));
   const hbRenderer::Facts facts = renderer->facts();
   Json record{{"seconds_build", build},
               {"seconds_first_picture", first},
@@ -210,7 +218,7 @@ void hbComparisonRun::takeVtk(hbProgress& progress) {
       const Case one{fmt::format("original-{}-{}", name, hb::modeName(mode)), {name, hbEngine::full, {}}, mode};
       Json made = record(one, "original", [&, mapper = mapper] {
         const hbPicture& expected = reference(mode, false, progress);
-        return peers_.vtk(mapper, scenes_.at(mode), expected, one.key, kShownDifference, progress);
+        return peers_.vtk(mapper, sceneOf(mode), expected, one.key, kShownDifference, progress);
       });
       // What VTK does not draw is no case of it.
       if (made["status"] != "refused") cases_.push_back(std::move(made));

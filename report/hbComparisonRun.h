@@ -44,7 +44,8 @@ private:
   void compare(const hbPicture& picture, const Case& one, Json& record);
   /// The picture that others in that mode are compared with, drawn once and kept in the folder.
   const hbPicture& reference(hbMode mode, bool isTrue, hbProgress& progress);
-  hbScene sceneOf(hbMode mode) const;
+  /// The completed scene. Throws hbError where it could not be completed: of a constant, there is no dvr.
+  const hbScene& sceneOf(hbMode mode) const;
   hbPicture draw(const hbField& field, hbMode mode, hbProgress& progress) const;
   /// Zfp as one more choice, with as many bytes as that sparse grid.
   void takeZfp(const hbComparisonChoice& sparse, hbComparisonChoices& choices, hbProgress& progress);
@@ -57,6 +58,7 @@ private:
   hbComparisonFolder& folder_;
   hbComparisonPeers peers_;
   std::map<hbMode, hbScene> scenes_;
+  std::map<hbMode, std::string> sceneErrors_;
   std::map<std::pair<hbMode, bool>, hbPicture> references_;
   std::vector<Json> choices_, cases_;
 };

@@ -196,6 +196,27 @@ TEST_F(hbComparisonRunTest, TakesVolumesAndTheirComponents) {
   EXPECT_EQ(report["input"]["component"], 1);
 }
 
+TEST_F(hbComparisonRunTest, ConstantsAndSlicesAreVolumes) {
+  hbGeometry geometry;
+  geometry.size = {5, 4, 1};
+  hbInput input;
+  input.name = "constant";
+  input.volume = std::make_shared<const hbVolume>(hbVolume::fromSamples(geometry, std::vector<float>(20, 0.1F)));
+  what_.scene.isoValue.reset();
+  what_.modes = {hbMode::xray, hbMode::mip, hbMode::iso, hbMode::dvr};
+  const hbComparisonSource source([&] { return input; }, 0, std::nullopt);
+  hbComparisonFolder folder(folder_ / "constant", hbComparisonRun::identity(source, what_), false);
+  const Json report = hbComparisonRun(source, what_, folder).run(hbProgress::none());
+  for (const Json& one : report["cases"]) {
+    // Nothing can be stretched over a constant.
+    EXPECT_EQ(one["status"], one["mode"] == "dvr" ? "failed" : "done") << one;
+    if (one["mode"] == "dvr") {
+      EXPECT_NE(one["error"].get<std::string>().find("values with a range"), std::string::npos);
+    }
+  }
+  for (const Json& one : report["choices"]) EXPECT_LE(one["values"]["max"].get<double>(), 0x1p-20) << one;
+}
+
 TEST_F(hbComparisonRunTest, OtherProgramsTakePart) {
   // Peers that are scripts: zfp loses nothing, VTK has one picture for all scenes and refuses X-rays.
   const auto script = [&](const char* name, const std::string& text) {
