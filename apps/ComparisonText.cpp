@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace {
+
+/// Infinite where it is null: sums of squares of very large values overflow.
+double number(const nlohmann::ordered_json& value) {
+  return value.is_number() ? value.get<double>() : std::numeric_limits<double>::infinity();
+}
 
 void printHardCases(const nlohmann::ordered_json& hard) {
   if (hard.is_null()) return;
@@ -31,9 +37,11 @@ void app::printComparison(const nlohmann::ordered_json& report, const std::strin
     }
     const auto& values = choice["values"];
     fmt::print("{:<28} {:>10.1f} {:>12.4f} {:>10.4g} {:>10.4g} {:>10}\n", choice["label"].get<std::string>(),
-               choice["bytes"].get<double>() / 1024.0, choice["bits_per_sample"].get<double>(),
-               values["max"].get<double>(), values["rmse"].get<double>(),
-               values["psnr"].is_null() ? "equal" : fmt::format("{:.2f} dB", values["psnr"].get<double>()));
+               choice["bytes"].get<double>() / 1024.0, choice["bits_per_sample"].get<double>(), number(values["max"]),
+               number(values["rmse"]),
+               values["psnr"].is_number() ? fmt::format("{:.2f} dB", values["psnr"].get<double>())
+               : values["max"] == 0.0     ? "equal"
+                                          : "-");
   }
   fmt::print("\n");
   for (const auto& one : report["recommendations"])

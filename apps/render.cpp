@@ -14,6 +14,7 @@
 #include "apps/Program.h"
 #include "apps/SceneOptions.h"
 #include "raycast/hbSceneDefaults.h"
+#include "report/hbMedian.h"
 #include "volume/hbError.h"
 #include "volume/hbMagnitudeField.h"
 #include "volume/hbMemoryMonitor.h"
@@ -60,8 +61,9 @@ void run(const Options& options, const app::CommonOptions& common) {
                        options.repeat,
                        {{"hbvol.engine", std::string(hb::engineName(engine))}, {"hbvol.input", input.name}}},
                       histogram, times);
-  std::vector<double> frames = times.pictures;
-  std::sort(frames.begin(), frames.end());
+  const std::vector<double>& frames = times.pictures;
+  const double median = hb::median(frames);
+  const auto [least, greatest] = std::minmax_element(frames.begin(), frames.end());
 
   const hbCamera& camera = *renderer->scene().camera;
   nlohmann::ordered_json stats{
@@ -76,9 +78,9 @@ void run(const Options& options, const app::CommonOptions& common) {
       {"seconds_load", times.load},
       {"seconds_build", times.build},
       {"seconds_first_picture", times.first},
-      {"seconds_frame_median", frames[frames.size() / 2]},
-      {"seconds_frame_min", frames.front()},
-      {"seconds_frame_max", frames.back()},
+      {"seconds_frame_median", median},
+      {"seconds_frame_min", *least},
+      {"seconds_frame_max", *greatest},
       {"pictures", frames.size() / std::size_t(options.repeat)},
       {"repeat", options.repeat},
       {"memory_growth_bytes", memory.growth()},
@@ -88,8 +90,7 @@ void run(const Options& options, const app::CommonOptions& common) {
       {"gl_renderer", nullptr}};
   options.engine.describe(renderer->facts(), stats);
   fmt::print("{}: {} by {} in {:.3f} s a frame ({} samples over the depth), load {:.3f} s\n", options.out,
-             hb::modeName(scene.mode), hb::engineName(engine), frames[frames.size() / 2], stats["samples"].get<int>(),
-             times.load);
+             hb::modeName(scene.mode), hb::engineName(engine), median, stats["samples"].get<int>(), times.load);
   common.writeStats(stats);
 }
 

@@ -49,6 +49,11 @@ hbSparseGridFile sparseFile(const hbInput& input, const hbComparison& what, int 
   }
   // The geometry stays the field's, so that light falls on the same central differences at every level.
   const hbIndexSet set = hbIndexSet::regular(level, hbIndexSet::uncappedAxesOf(input.geometry().size));
+  // Nodal values in 64 bits, surpluses, as much again for the form that errors are measured with.
+  const double need = 24.0 * double(set.storedValues());
+  if (need > double(what.memoryLimit))
+    throw hbError(fmt::format("level {} needs about {:.3g} MB, more than the memory limit of {:.3g} MB", level,
+                              need / 0x1p20, double(what.memoryLimit) / 0x1p20));
   return {hbSparseGrid::interpolate(*input.analytic, set, hbLatticeMapping::fitted, progress), {}, {}, {}, {}};
 }
 
@@ -75,8 +80,10 @@ void hbComparisonChoices::describe(Json& record, const hbField& field, const hbF
   record["bytes"] = bytes;
   record["bits_per_sample"] =
       8.0 * double(bytes) / (double(source_.volume().geometry().samples()) * source_.volume().components());
-  record["values"] = hb::reportJson(source_.errors(field, progress));
-  record["true_values"] = source_.analytic() ? hb::reportJson(source_.trueErrors(atPoints, progress)) : Json();
+  const auto [lo, hi] = source_.range();
+  record["measured_at"] = source_.measuresAll() ? "all samples" : "random points";
+  record["values"] = hb::reportJson(source_.errors(field, progress), hi - lo);
+  record["true_values"] = source_.analytic() ? hb::reportJson(source_.trueErrors(atPoints, progress), hi - lo) : Json();
 }
 
 hbComparisonChoice hbComparisonChoices::original(hbProgress& progress) {
@@ -98,6 +105,7 @@ void hbComparisonChoices::makeSparse(int level, Json& record, hbProgress& progre
       -1, ' ', true, Json::error_handler_t::replace);
   made.write(file);
   record["seconds_build"] = watch.seconds();
+  record["file"] = "choices/" + file.filename().string();
   record["size"] = nullptr;
   record["stored_values"] = made.grid.indexSet().storedValues();
   std::unique_ptr<const hbField> fast;
@@ -155,6 +163,7 @@ hbComparisonChoice hbComparisonChoices::zfp(hbComparisonPeers& peers, int level,
     record["label"] = fmt::format("zfp, {:.4g} kB", double(run.bytes) / 1024.0);
     record["seconds_build"] = run.secondsCompress;
     record["seconds_unpack"] = run.secondsDecompress;
+    record["file"] = "choices/" + file.filename().string();
     record["mode"] = run.mode;
     record["parameter"] = run.parameter;
     const hbVolumeField field(*hbInput::open(file.string(), {}).volume);

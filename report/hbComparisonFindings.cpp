@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <tuple>
@@ -24,6 +25,11 @@ bool isDone(const Json& one) { return one["status"] == "done"; }
 bool isMeasured(const Json& one) { return isDone(one) && !one.value("image_only", false); }
 
 double number(const Json& json, const char* pointer) { return json.at(Json::json_pointer(pointer)).get<double>(); }
+
+/// Infinite where it is null: sums of squares of very large values overflow.
+double orInfinite(const Json& value) {
+  return value.is_number() ? value.get<double>() : std::numeric_limits<double>::infinity();
+}
 
 double frame(const Json& one) { return number(one, "/seconds_frame/median"); }
 
@@ -118,17 +124,19 @@ private:
     const Json& values = choice["values"];
     return fmt::format("{}: {}, {:.4g} bits a sample, max error {:.4g}, RMSE {:.4g}; {}",
                        choice["label"].get<std::string>(), bytesText(choice["bytes"].get<double>()),
-                       choice["bits_per_sample"].get<double>(), values["max"].get<double>(),
-                       values["rmse"].get<double>(), fastestFrames(choice));
+                       choice["bits_per_sample"].get<double>(), orInfinite(values["max"]), orInfinite(values["rmse"]),
+                       fastestFrames(choice));
   }
 
   void forError() {
-    const double range = number(report_, "/input/range/1") - number(report_, "/input/range/0");
-    const double limit = limits_.maxError.value_or(0.01 * range);
+    const Json& range = report_["input"]["range"];
+    const double width =
+        range[0].is_number() && range[1].is_number() ? range[1].get<double>() - range[0].get<double>() : 0.0;
+    const double limit = limits_.maxError.value_or(0.01 * width);
     const Json* choice = best(
         report_["choices"],
         [&](const Json& c) { return isDone(c) && c["values"]["max"].is_number() && c["values"]["max"] <= limit; },
-        [](const Json& c) { return std::pair(number(c, "/bytes"), number(c, "/values/rmse")); });
+        [](const Json& c) { return std::pair(number(c, "/bytes"), orInfinite(c["values"]["rmse"])); });
     add(fmt::format("max error <= {:.4g}", limit), limit, nullptr, choice, nullptr,
         choice ? inWords(*choice) : "none of these");
   }
@@ -156,10 +164,13 @@ private:
 
   std::string inWordsOf(const Json& one) const {
     const Json& psnr = one["picture"]["psnr"];
+    const bool isExact = one["picture"]["max"] == 0.0;
     return fmt::format("{} by {}: {:.3g} ms, {}, picture {}", (*choices_.at(one["choice"]))["label"].get<std::string>(),
                        one["engine"].get<std::string>(), frame(one) * 1e3,
                        bytesText(one["compressed_bytes"].get<double>()),
-                       psnr.is_number() ? fmt::format("{:.4g} dB", psnr.get<double>()) : "exact");
+                       isExact            ? "exact"
+                       : psnr.is_number() ? fmt::format("{:.4g} dB", psnr.get<double>())
+                                          : fmt::format("RMSE {:.4g}", orInfinite(one["picture"]["rmse"])));
   }
 
   void forBytes() {

@@ -1,13 +1,13 @@
 #include "report/hbComparisonPeers.h"
 
 #include <algorithm>
-#include <numeric>
 #include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "raycast/hbNominalSamples.h"
+#include "report/hbMedian.h"
 #include "report/hbPictureDifference.h"
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
@@ -65,24 +65,21 @@ hb::ReportJson hbComparisonPeers::vtk(hbPeers::VtkMapper mapper, hbScene scene, 
   const fs::path sceneFile = place_ / "scene.json";
   hb::saveScene(scene, sceneFile);
   const std::string image = hbComparisonFolder::picture(key);
-  hbVtkRun run = peers_.render(floats_, sceneFile, mapper, what_.repeats, folder_.path() / image, progress);
+  const hbVtkRun run = peers_.render(floats_, sceneFile, mapper, what_.repeats, folder_.path() / image, progress);
 
   const hbImage8 expected = hb::displayImage(reference, scene), found = hb::readPng(folder_.path() / image);
   const std::string difference = hbComparisonFolder::picture(key + "-difference");
   hb::writePng(hb::signedDifferenceImage(lumaOf(found), lumaOf(expected), shownDifference),
                folder_.path() / difference);
-  std::sort(run.secondsFrames.begin(), run.secondsFrames.end());
-  const double median = run.secondsFrames[run.secondsFrames.size() / 2];
+  const double median = hb::median(run.secondsFrames);
+  const auto [least, greatest] = std::minmax_element(run.secondsFrames.begin(), run.secondsFrames.end());
   const double samples = hb::nominalSamples(source_.volume().geometry(), scene);
   return {{"image_only", true},
           {"seconds_build", nullptr},
           {"seconds_first_picture", run.secondsFirst},
           {"seconds_warmup", run.secondsFirst},
           {"seconds_frame",
-           {{"median", median},
-            {"min", run.secondsFrames.front()},
-            {"max", run.secondsFrames.back()},
-            {"repeats", run.secondsFrames.size()}}},
+           {{"median", median}, {"min", *least}, {"max", *greatest}, {"repeats", run.secondsFrames.size()}}},
           {"samples", samples},
           {"samples_per_second", samples / median},
           {"sampling", "equidistant"},

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -13,7 +15,7 @@
 #include "raycast/hbNominalSamples.h"
 #include "raycast/hbSceneDefaults.h"
 #include "report/hbInnerProgress.h"
-#include "report/hbParetoFront.h"
+#include "report/hbMedian.h"
 #include "report/hbPictureDifference.h"
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
@@ -39,13 +41,13 @@ double residentBytes(const hbInput& input, hbEngine engine) {
 
 Json inputJson(const hbComparisonSource& source, const hbComparison& what) {
   const hbGeometry& geometry = source.volume().geometry();
-  return {{"name", source.input().name},
+  return {{"name", hb::storedJson(source.input().name)},
           {"representation", source.input().representation()},
           {"size", {geometry.size.x, geometry.size.y, geometry.size.z}},
           {"samples", geometry.samples()},
           {"component", what.scene.component},
           {"bytes_uncompressed", source.bytes()},
-          {"range", {source.range().first, source.range().second}}};
+          {"range", {hb::finiteOrNull(source.range().first), hb::finiteOrNull(source.range().second)}}};
 }
 
 /// Differences are shown on a scale from minus to plus this share of the reference picture's window.
@@ -157,15 +159,14 @@ Json hbComparisonRun::measured(const hbComparisonChoice& choice, const Case& one
     picture = renderer->render(inner);
     frames.push_back(secondsSince(before));
   }
-  std::sort(frames.begin(), frames.end());
-  const double median = frames[frames.size() / 2];
+  const double median = hb::median(frames);
+  const auto [least, greatest] = std::minmax_element(frames.begin(), frames.end());
   const double samples = hb::nominalSamples(source_.volume().geometry(), sceneOf(one.mode));
   const hbRenderer::Facts facts = renderer->facts();
   Json record{{"seconds_build", build},
               {"seconds_first_picture", first},
               {"seconds_warmup", first - build},
-              {"seconds_frame",
-               {{"median", median}, {"min", frames.front()}, {"max", frames.back()}, {"repeats", frames.size()}}},
+              {"seconds_frame", {{"median", median}, {"min", *least}, {"max", *greatest}, {"repeats", frames.size()}}},
               {"samples", samples},
               {"samples_per_second", samples / median},
               {"sampling", facts.sampling},
@@ -227,7 +228,6 @@ void hbComparisonRun::takeVtk(hbProgress& progress) {
 }
 
 void hbComparisonRun::takeZfp(const hbComparisonChoice& sparse, hbComparisonChoices& choices, hbProgress& progress) {
-  if (!sparse.isDone()) return;
   take(choices.zfp(peers_, sparse.record["level"], sparse.record["bytes"], progress), progress);
 }
 
@@ -242,7 +242,8 @@ Json hbComparisonRun::run(hbProgress& progress) {
   for (int level = what_.firstLevel; level <= what_.lastLevel; ++level) {
     const hbComparisonChoice sparse = choices.sparse(level, progress);
     take(sparse, progress);
-    take(choices.coarse(level, sparse.isDone() ? sparse.record["bytes"].get<std::uint64_t>() : 0, progress), progress);
+    if (!sparse.isDone()) continue; // there is no number of bytes to compare with
+    take(choices.coarse(level, sparse.record["bytes"], progress), progress);
     if (peers_.hasZfp()) takeZfp(sparse, choices, progress);
   }
   return assemble(progress);
@@ -252,18 +253,22 @@ Json hbComparisonRun::identity(const hbComparisonSource& source, const hbCompari
   Json identity = what.settings();
   identity["input"] = inputJson(source, what);
   identity["version"] = what.version;
+  // A file that was written since is another input.
+  std::error_code isNoFile;
+  const auto written = std::filesystem::last_write_time(source.input().name, isNoFile);
+  identity["written"] = isNoFile ? Json() : Json(written.time_since_epoch().count());
   return identity;
 }
 
 Json hbComparisonRun::assemble(hbProgress& progress) const {
   Json machine = hb::reportJson(hbMachine::current());
-  machine["threads"] = hb::parallelThreads();
+  machine["threads"] = what_.threads > 0 ? what_.threads : hb::parallelThreads();
   machine["gl_renderer"] = nullptr;
   for (const Json& one : cases_)
     if (one["choice"] != "original" && one.contains("gl_renderer") && !one["gl_renderer"].is_null())
       machine["gl_renderer"] = one["gl_renderer"];
   Json report{{"version", what_.version},
-              {"command", what_.command},
+              {"command", hb::storedJson(what_.command)},
               {"machine", machine},
               {"input", inputJson(source_, what_)},
               {"settings", what_.settings()},

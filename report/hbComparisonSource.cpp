@@ -1,6 +1,7 @@
 #include "report/hbComparisonSource.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -41,6 +42,9 @@ hbComparisonSource::hbComparisonSource(const Open& open, int component, std::opt
                               "them",
                               input_.name, histogram.nans, histogram.infinities));
   range_ = {histogram.min, histogram.max};
+  // fmin and fmax leave out the NaN that a histogram without finite values has.
+  if (histogram.nans + histogram.infinities > 0)
+    range_ = {std::fmin(range_.first, *nonFinite_), std::fmax(range_.second, *nonFinite_)};
 }
 
 std::uint64_t hbComparisonSource::bytes() const {
@@ -70,8 +74,7 @@ hbInput hbComparisonSource::load() const {
 }
 
 hbErrorStatistics hbComparisonSource::errors(const hbField& field, hbProgress& progress) const {
-  if (volume_->geometry().samples() > kMeasureAll)
-    return hb::fieldDifference(*field_, field, component_, kRandomPoints, progress);
+  if (!measuresAll()) return hb::fieldDifference(*field_, field, component_, kRandomPoints, progress);
   return hb::fieldVolumeDifference(*volume_, field, component_, nonFinite_, progress);
 }
 

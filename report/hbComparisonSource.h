@@ -29,7 +29,7 @@ public:
   /// Trilinear between the samples.
   const hbField& field() const { return *field_; }
   std::shared_ptr<const hbAnalyticField> analytic() const { return input_.analytic; }
-  /// Least and greatest sample.
+  /// Least and greatest sample, those that are not finite counted as what they are taken for.
   std::pair<double, double> range() const { return range_; }
   /// Bytes of the samples in their own type, all components.
   std::uint64_t bytes() const;
@@ -41,6 +41,7 @@ public:
   /// The samples (of a volume of more than kMeasureAll: kRandomPoints points between them) against a field on the same
   /// cube.
   hbErrorStatistics errors(const hbField& field, hbProgress& progress) const;
+  bool measuresAll() const { return volume_->geometry().samples() <= kMeasureAll; }
   /// The analytic field at kRandomPoints points of the cube against that field; there must be one.
   hbErrorStatistics trueErrors(const hbField& field, hbProgress& progress) const;
 

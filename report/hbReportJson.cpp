@@ -8,9 +8,17 @@ hb::ReportJson hb::numberOrNull(const std::optional<double>& value) {
   return value ? finiteOrNull(*value) : ReportJson();
 }
 
-hb::ReportJson hb::reportJson(const hbErrorStatistics& errors) {
-  return {
-      {"max", finiteOrNull(errors.max)}, {"rmse", finiteOrNull(errors.rmse())}, {"psnr", numberOrNull(errors.psnr())}};
+std::string hb::jsonText(const ReportJson& json, int indent) {
+  return json.dump(indent, ' ', false, ReportJson::error_handler_t::replace);
+}
+
+hb::ReportJson hb::storedJson(const ReportJson& json) { return ReportJson::parse(jsonText(json)); }
+
+hb::ReportJson hb::reportJson(const hbErrorStatistics& errors, double peak) {
+  return {{"max", finiteOrNull(errors.max)},
+          {"rmse", finiteOrNull(errors.rmse())},
+          {"psnr", peak > 0.0 ? numberOrNull(errors.psnr(peak)) : ReportJson()},
+          {"points", errors.count}};
 }
 
 hb::ReportJson hb::reportJson(const hbPictureDifference& errors) {

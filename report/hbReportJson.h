@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -18,8 +19,13 @@ ReportJson finiteOrNull(double value);
 /// The value, or null.
 ReportJson numberOrNull(const std::optional<double>& value);
 
-/// {"max", "rmse", "psnr"}; psnr is null where nothing differs.
-ReportJson reportJson(const hbErrorStatistics& errors);
+/// JSON as text; bytes that are no UTF-8 are replaced. `indent` < 0: on one line.
+std::string jsonText(const ReportJson& json, int indent = -1);
+/// What is read again of that text: what files keep of it.
+ReportJson storedJson(const ReportJson& json);
+
+/// {"max", "rmse", "psnr", "points"}; `peak`: of the PSNR, which is null where nothing differs or there is no peak.
+ReportJson reportJson(const hbErrorStatistics& errors, double peak);
 /// {"max", "rmse", "psnr", "ssim", "luv_mean", "luv_max"}
 ReportJson reportJson(const hbPictureDifference& errors);
 /// {"processor", "cores", ...}

@@ -23,7 +23,8 @@ protected:
                                  "--engines", "seminodal,lattice",
                                  "--size",    "16x12",
                                  "--samples", "8",
-                                 "--repeat", "2", "--no-peers"};
+                                 "--repeat",  "2",
+                                 "--no-peers"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
@@ -96,7 +97,8 @@ TEST_F(compare, GoesOnAfterItWasKilled) {
 TEST_F(compare, SaysWhatIsInterruptedAndKeepsIt) {
   hbProgramRun::Conditions conditions;
   conditions.interrupt = true;
-  const hbProgramRun found = run({"compare", "field:hydrogen", "--out", "out", "--repeat", "10000"}, conditions);
+  const hbProgramRun found =
+      run({"compare", "field:hydrogen,size=17", "--out", "out", "--repeat", "10000"}, conditions);
   EXPECT_FAILS(found, 1, "interrupted; what was measured is kept in out");
   EXPECT_FALSE(fs::exists(folder_ / "out" / "report.json"));
 }

@@ -29,7 +29,7 @@ Json drawn(const std::string& choice, const std::string& engine, double bytes, d
           {"status", "done"},
           {"compressed_bytes", bytes},
           {"seconds_frame", {{"median", seconds}}},
-          {"picture", {{"rmse", rmse}, {"psnr", rmse == 0.0 ? Json() : Json(30.0)}}}};
+          {"picture", {{"max", rmse}, {"rmse", rmse}, {"psnr", rmse == 0.0 ? Json() : Json(30.0)}}}};
 }
 
 /// The volume and two sparse grids; the finer one drawn by two engines, one of which is slower.
@@ -111,6 +111,20 @@ TEST(hbComparisonFindings, RecommendsByErrorTimeAndBytes) {
             "picture 30 dB");
   EXPECT_EQ(list[2]["question"], "at most 200 bytes"); // 1 % of the volume
   EXPECT_EQ(list[2]["choice"], "s6");
+}
+
+TEST(hbComparisonFindings, ErrorsThatOverflowAreInfinite) {
+  Json r = report();
+  r["choices"][1]["values"] = {{"max", 1e170}, {"rmse", nullptr}, {"psnr", nullptr}};
+  r["cases"][1]["picture"] = {{"max", 1e30}, {"rmse", 1e30}, {"psnr", nullptr}};
+  hb::addRecommendations(r, {1e171, 0.015, std::nullopt});
+  EXPECT_EQ(r["recommendations"][0]["choice"], "s5");
+  EXPECT_NE(r["recommendations"][0]["answer"].get<std::string>().find("RMSE inf"), std::string::npos);
+  // Without a PSNR and without an error are different things.
+  EXPECT_NE(r["recommendations"][1]["answer"].get<std::string>().find("picture RMSE 1e+30"), std::string::npos);
+  r["input"]["range"] = {nullptr, nullptr};
+  hb::addRecommendations(r, {});
+  EXPECT_EQ(r["recommendations"][0]["limit"], 0.0);
 }
 
 TEST(hbComparisonFindings, RecommendsByWhatIsAskedFor) {

@@ -67,6 +67,44 @@ TEST(hbComparisonFolder, RefusesOtherComparisonsAndOtherFiles) {
   EXPECT_NE(errorOf(full / "thesis.txt", settings).find("found a file"), std::string::npos);
 }
 
+TEST(hbComparisonFolder, LeavesWhatIsNotItsOwn) {
+  const hbTestFolder folder;
+  const fs::path path = folder / "d";
+  fs::create_directories(path / "pictures");
+  std::ofstream(path / "pictures" / "family.png") << "mine";
+  std::ofstream(path / "comparison.json") << R"({"mine": 1, "settings": {}})";
+  for (const bool restart : {false, true})
+    EXPECT_NE(errorOf(path, Json{{"width", 8}}, restart).find("other files"), std::string::npos);
+  EXPECT_TRUE(fs::exists(path / "pictures" / "family.png"));
+}
+
+TEST(hbComparisonFolder, IsForOneAtATime) {
+  const hbTestFolder folder;
+  const Json settings{{"width", 8}};
+  {
+    const hbComparisonFolder first(folder / "c", settings, false);
+    EXPECT_NE(errorOf(folder / "c", settings).find("another process is at work"), std::string::npos);
+  }
+  EXPECT_EQ(errorOf(folder / "c", settings), "");
+}
+
+TEST(hbComparisonFolder, ARecordWithoutItsFilesIsNone) {
+  const hbTestFolder folder;
+  hbComparisonFolder comparison(folder / "c", Json{{"width", 8}}, false);
+  comparison.keep("a", {{"image", "pictures/a.png"}, {"difference", nullptr}});
+  EXPECT_FALSE(comparison.find("a"));
+  std::ofstream(folder / "c" / "pictures" / "a.png") << "x";
+  EXPECT_TRUE(comparison.find("a"));
+}
+
+TEST(hbComparisonFolder, NamesNeedNotBeUtf8) {
+  const hbTestFolder folder;
+  const Json settings{{"input", "a\xff.nrrd"}};
+  hbComparisonFolder(folder / "c", settings, false).keep("a", {{"error", "\xff"}});
+  EXPECT_EQ(errorOf(folder / "c", settings), "");
+  EXPECT_NE(errorOf(folder / "c", {{"input", "b\xff"}}).find("expected input"), std::string::npos);
+}
+
 TEST(hbComparisonFolder, TakesADamagedRecordForNone) {
   const hbTestFolder folder;
   hbComparisonFolder comparison(folder / "c", Json{{"width", 8}}, false);

@@ -1,5 +1,6 @@
 #include "report/hbComparisonRun.h"
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "tests/volume/hbTestFiles.h"
 #include "volume/hbError.h"
 #include "volume/hbVolumeField.h"
+#include "volume/hbVolumeWriter.h"
 
 namespace {
 
@@ -196,6 +198,33 @@ TEST_F(hbComparisonRunTest, TakesVolumesAndTheirComponents) {
   EXPECT_EQ(report["input"]["component"], 1);
 }
 
+TEST_F(hbComparisonRunTest, WithoutASparseGridThereIsNoBaseline) {
+  what_.firstLevel = what_.lastLevel = 4;
+  what_.memoryLimit = 9 * 9 * 9 * 4 + 10000; // level 4 takes 593 values, 24 bytes each
+  const Json report = run();
+  ASSERT_EQ(report["choices"].size(), 2U);
+  EXPECT_EQ(report["choices"][1]["status"], "failed");
+  EXPECT_NE(report["choices"][1]["error"].get<std::string>().find("memory limit"), std::string::npos);
+  // With the grid comes the baseline, of as many bytes.
+  what_.memoryLimit = 1U << 30U;
+  const Json again = run();
+  ASSERT_EQ(again["choices"].size(), 3U);
+  EXPECT_GT(again["choices"][2]["stored_values"], 8);
+}
+
+TEST_F(hbComparisonRunTest, AnInputThatWasWrittenSinceIsAnother) {
+  const std::filesystem::path file = folder_ / "v.nrrd";
+  hb::writeVolume(volumeOf({5, 5, 5}, 1), file);
+  const auto identity = [&] {
+    const hbComparisonSource source([&] { return hbInput::open(file.string(), {}); }, 0, std::nullopt);
+    return hbComparisonRun::identity(source, what_);
+  };
+  const Json before = identity();
+  EXPECT_EQ(identity(), before);
+  std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + std::chrono::seconds(1));
+  EXPECT_NE(identity(), before);
+}
+
 TEST_F(hbComparisonRunTest, ConstantsAndSlicesAreVolumes) {
   hbGeometry geometry;
   geometry.size = {5, 4, 1};
@@ -253,7 +282,7 @@ TEST_F(hbComparisonRunTest, OtherProgramsTakePart) {
 
   EXPECT_THROW(named(report["cases"], "original-vtk-cpu-xray"), std::out_of_range);
   const Json& vtk = named(report["cases"], "original-vtk-cpu-iso");
-  EXPECT_EQ(vtk["seconds_frame"]["median"], 0.5);
+  EXPECT_EQ(vtk["seconds_frame"]["median"], 0.375);
   EXPECT_EQ(vtk["seconds_frame"]["min"], 0.25);
   EXPECT_EQ(vtk["image_only"], true);
   const hbPicture reference = hb::readExr(folder_ / "out" / "pictures" / "reference-iso.exr");
@@ -297,6 +326,7 @@ TEST(hbComparisonSource, RefusesWhatCannotBeCompared) {
   };
   EXPECT_THROW(hbComparisonSource(volume, 0, std::nullopt), hbError);
   EXPECT_THROW(hbComparisonSource(volume, 1, 0.0), hbError);
+  EXPECT_EQ(hbComparisonSource(volume, 0, 9.0).range(), std::pair(1.0, 9.0));
   const hbComparisonSource source(volume, 0, 0.0);
   EXPECT_EQ(source.errors(source.field(), hbProgress::none()).max, 0.0);
 }

@@ -1,5 +1,7 @@
 #include "report/hbMachine.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "report/hbReportJson.h"
@@ -19,11 +21,20 @@ TEST(hbMachine, SaysWhatItIs) {
 TEST(hbReportJson, HasNullWhereThereIsNoNumber) {
   hbErrorStatistics same;
   same.add(1.0, 1.0);
-  EXPECT_EQ(hb::reportJson(same).dump(), R"({"max":0.0,"rmse":0.0,"psnr":null})");
+  EXPECT_EQ(hb::reportJson(same, 8.0).dump(), R"({"max":0.0,"rmse":0.0,"psnr":null,"points":1})");
+  same.add(1.0, 3.0);
+  EXPECT_TRUE(hb::reportJson(same, 0.0)["psnr"].is_null());
+  EXPECT_DOUBLE_EQ(hb::reportJson(same, 8.0)["psnr"].get<double>(), 20.0 * std::log10(8.0 / std::sqrt(2.0)));
   EXPECT_TRUE(hb::finiteOrNull(std::numeric_limits<double>::infinity()).is_null());
   EXPECT_TRUE(hb::numberOrNull(std::nullopt).is_null());
   hbPictureDifference picture;
   picture.luvMean = 2.0;
   EXPECT_EQ(hb::reportJson(picture).dump(),
             R"({"max":0.0,"rmse":0.0,"psnr":null,"ssim":null,"luv_mean":2.0,"luv_max":0.0})");
+}
+
+TEST(hbReportJson, TextIsUtf8WhateverTheName) {
+  const hb::ReportJson stored = hb::storedJson({{"name", "a\xff.nrrd"}});
+  EXPECT_EQ(stored["name"], "a\xef\xbf\xbd.nrrd");
+  EXPECT_EQ(hb::storedJson(stored), stored);
 }

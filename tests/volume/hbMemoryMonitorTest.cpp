@@ -1,15 +1,19 @@
 #include "volume/hbMemoryMonitor.h"
 
+#include <chrono>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-TEST(hbMemoryMonitor, SeesMemoryThatIsTouched) {
-  hbMemoryMonitor monitor;
+TEST(hbMemoryMonitor, SeesMemoryThatIsGivenBack) {
   constexpr std::int64_t kBytes = std::int64_t{1} << 26;
-  const std::vector<char> touched(std::size_t(kBytes), 1);
-  // What else the process gives back meanwhile is far less.
-  EXPECT_GE(monitor.growth(), kBytes / 2);
-  EXPECT_GE(hbMemoryMonitor::anonymousBytes(), kBytes / 2);
-  EXPECT_EQ(touched.back(), 1);
+  hbMemoryMonitor monitor;
+  // It is asked when the memory is gone; how long that has to be there until it looks is the system's affair.
+  for (int wait = 1; monitor.growth() < kBytes / 2; wait *= 2) {
+    ASSERT_LT(wait, 1 << 14) << "it never looks";
+    const std::vector<char> touched(std::size_t(kBytes), 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait));
+    EXPECT_GE(hbMemoryMonitor::anonymousBytes(), kBytes / 2);
+  }
 }
