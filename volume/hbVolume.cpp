@@ -111,9 +111,10 @@ hbValueMap hbVolume::chooseValueMap() const {
   // Centre where a float's 24 bits would be spent on the common offset: neighbouring integers (which differ by the
   // slope) fall together, or a small signal rides on a large constant. 32-bit floats have lost what their own bits did
   // not hold, but sums of them need not lose more; they are less than twice the offset, a float itself, and more than
-  // half of it, so that their differences from it are exact.
+  // half of it, so that their differences from it are exact; known only where all were looked at.
   const bool neighboursMeet = integer && largest > 0x1p24 * std::abs(slope_);
-  const bool offsetDominates = largest > 8.0 * halfWidth && !(plain && integer);
+  const bool isExactAnyway = plain && (integer || (type_ == hbSampleType::float32 && count != geometry_.size));
+  const bool offsetDominates = largest > 8.0 * halfWidth && !isExactAnyway;
   if (neighboursMeet || offsetDominates)
     map.offset = !plain || type_ == hbSampleType::float64 ? middle
                  : integer                                ? std::nearbyint(middle)

@@ -69,7 +69,8 @@ public:
 
   /// How 32-bit floats should stand for the data values (see hbValueMap): the identity, except where floats would take
   /// neighbouring values for one (wide integers, a small signal on a large constant) or do not reach (beyond 1e30).
-  /// Looks at all samples of a volume of up to 2^24, and at 40 an axis of a larger one.
+  /// Looks at all samples of a volume of up to 2^24, and at 40 an axis of a larger one, whose 32-bit floats are not
+  /// centred: of a sample far from those seen, the offset would take bits that the identity keeps.
   hbValueMap chooseValueMap() const;
 
 private:

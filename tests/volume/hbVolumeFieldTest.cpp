@@ -134,6 +134,17 @@ TEST(hbVolumeField, FloatsWithALargeOffsetAreCentredExactly) {
   }
 }
 
+// Of 257^3 samples one in 265 is looked at; the one that is not has bits below those of the offset.
+TEST(hbVolumeField, FloatsThatWereNotAllLookedAtAreNotCentred) {
+  const hbSize3 size{257, 257, 257};
+  std::vector<float> samples(std::size_t(257) * 257 * 257, 1000.0F);
+  samples.front() = 1001.0F;
+  samples[1] = 0.1F;
+  const hbVolumeField field(hbVolume::fromSamples<float>(cubeOf(size), std::move(samples)));
+  EXPECT_TRUE(field.valueMap().isIdentity());
+  EXPECT_EQ(valueAt(field, {1.0F / 256, 0.0F, 0.0F}), 0.1F);
+}
+
 TEST(hbVolumeField, FloatsAroundZeroAreNot) {
   const hbVolumeField field(hbVolume::fromSamples<float>(cubeOf({3, 1, 1}), {-1.0F, 4.0F, 6.0F}));
   EXPECT_TRUE(field.valueMap().isIdentity());
