@@ -30,7 +30,8 @@ public:
   static std::unique_ptr<hbHardCaseMeasurement> of(const hbHardCase::Problem& problem,
                                                    const hbSparseGrid* evaluated = nullptr);
 
-  /// One a point, or a pixel that shows the volume. `context`: current, for OpenGL alone. Throws hbError as the engines
+  /// One a point, or a pixel that shows the volume; of X-rays by planes, a pixel: those that meet no plane are to be
+  /// empty, and an error there is infinite. `context`: current, for OpenGL alone. Throws hbError as the engines
   /// do.
   virtual std::vector<hbHardCaseError> errors(const hbHardCaseWay& way, const hbGlContext* context) const = 0;
 

@@ -221,7 +221,10 @@ std::vector<hbHardCaseError> hbHardCasePicture::xrayErrors(const hbHardCaseWay& 
   const double zero = way.engine == Engine::blend ? hbOglPointBounds(bounds_).zero(way.format) : 0.0;
   std::vector<hbHardCaseError> list;
   for (std::size_t pixel = 0; pixel < samples_.size(); ++pixel) {
-    if (samples_[pixel].empty()) continue;
+    if (samples_[pixel].empty()) { // By planes, a ray that meets none shows nothing, in the volume or beside it.
+      list.push_back({ys[pixel] == 0.0F && covered[pixel] == 0.0F ? 0.0 : kInfinity, 0.0});
+      continue;
+    }
     double sum = 0.0, bound = 0.0, magnitude = 0.0;
     for (std::size_t i = 0; i < samples_[pixel].size(); ++i) {
       sum += samples_[pixel][i].value;
