@@ -16,6 +16,8 @@ Json resultOf(const hbHardCaseResult& result) {
           {"bound", number(result.bound)},
           {"share", number(result.share)},
           {"within_bound", result.isWithinBound()},
+          {"exceeds_bound", result.exceedsBound()},
+          {"says_nothing", isDone && result.saysNothing},
           {"stable", result.stable},
           {"status", kStatus[std::size_t(result.status)]},
           {"note", result.note}};

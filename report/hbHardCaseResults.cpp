@@ -1,6 +1,8 @@
 #include "report/hbHardCaseResults.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -43,24 +45,11 @@ hbHardCaseResult failure(const hbHardCaseWay& way, Status status, const std::str
   return result;
 }
 
-hbHardCaseResult measured(const hbHardCaseMeasurement& measurement, const hbHardCaseWay& way,
-                          const hbGlContext* context) {
-  hbHardCaseResult result;
-  result.way = way;
-  for (const hbHardCaseError& one : measurement.errors(way, context)) {
-    result.error = std::max(result.error, one.error);
-    result.bound = std::max(result.bound, one.bound);
-    if (one.error > 0.0) result.share = std::max(result.share, one.error / one.bound);
-  }
-  result.stable = result.error <= hbHardCaseResult::kStable * measurement.range();
-  return result;
-}
-
 hbHardCaseResult tried(const hbHardCaseMeasurement& measurement, const hbHardCaseWay& way, const hbGlContext* context,
                        const std::string& whyNone) {
   if (way.isOpenGl() && !context) return failure(way, Status::refused, whyNone);
   try {
-    return measured(measurement, way, context);
+    return hbHardCaseResult::of(way, measurement.errors(way, context), measurement.range());
   } catch (const hbCancelled&) {
     throw;
   } catch (const hbError& error) {
@@ -71,6 +60,27 @@ hbHardCaseResult tried(const hbHardCaseMeasurement& measurement, const hbHardCas
 }
 
 } // namespace
+
+hbHardCaseResult hbHardCaseResult::of(const hbHardCaseWay& way, const std::vector<hbHardCaseError>& errors,
+                                      double range) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto finiteOrInfinite = [](double value) { return std::isfinite(value) ? value : kInfinity; };
+  hbHardCaseResult result;
+  result.way = way;
+  for (const hbHardCaseError& one : errors) {
+    result.error = std::max(result.error, finiteOrInfinite(one.error));
+    result.bound = std::max(result.bound, finiteOrInfinite(one.bound));
+    // A comparison with NaN is false, and an infinite bound is none.
+    const bool isComparable = std::isfinite(one.bound) && !std::isnan(one.error);
+    if (!isComparable)
+      result.share = kInfinity;
+    else if (one.error > 0.0)
+      result.share = std::max(result.share, one.error / one.bound);
+  }
+  result.stable = result.error <= kStable * range;
+  result.saysNothing = !(result.bound < range);
+  return result;
+}
 
 const hbHardCaseResult* hbHardCaseResults::mostStable() const {
   const hbHardCaseResult* best = nullptr;

@@ -8,6 +8,7 @@
 #include "volume/hbProgress.h"
 
 class hbGlContext;
+struct hbHardCaseError;
 
 /// What one way made of a hard case. Errors are in true values; of iso-surfaces, of the values along rays.
 struct hbHardCaseResult {
@@ -18,14 +19,23 @@ struct hbHardCaseResult {
   };
   hbHardCaseWay way;
   Status status = Status::done;
-  double error = 0.0, bound = 0.0; ///< The greatest of each.
-  double share = 0.0;              ///< The greatest error of a point or pixel in parts of its own bound.
-  bool stable = false;             ///< See kStable.
+  double error = 0.0, bound = 0.0; ///< The greatest of each; infinite where one is NaN.
+  /// The greatest error of a point or pixel in parts of its own bound; infinite where an error is NaN or a bound no
+  /// finite number.
+  double share = 0.0;
+  bool stable = false;      ///< See kStable.
+  bool saysNothing = false; ///< The bound is the values' range or more: no error of a usable value could exceed it.
   std::string note;
 
   /// A way is stable where it loses no more than 4 of a float's 24 bits of the values' range.
   static constexpr double kStable = 0x1p-20;
-  bool isWithinBound() const { return status == Status::done && share <= 1.0; }
+  /// Beyond its bound, whatever that says.
+  bool exceedsBound() const { return status == Status::done && !(share <= 1.0); }
+  /// Within a bound that says something.
+  bool isWithinBound() const { return status == Status::done && !saysNothing && share <= 1.0; }
+
+  /// Of errors at all points or pixels, of values with that range.
+  static hbHardCaseResult of(const hbHardCaseWay& way, const std::vector<hbHardCaseError>& errors, double range);
 };
 
 /// A hard case and what all ways made of it.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <ostream>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -62,6 +64,20 @@ hbSparseGrid disturbed(const hbSparseGrid& grid, double part) {
   return hbSparseGrid::fromSurpluses(grid.frame(), grid.indexSet(), {std::move(changed)});
 }
 
+/// Where rounding may do as much as the range of the values: 8 bits in all but slices and the coarsest grid, numbers
+/// that shaders take for 0, an offset that is kept, and 16 bits shared by 199 component grids.
+bool saysNothing(const std::string& name, const hbHardCaseWay& way) {
+  static const std::set<std::string> fewGrids{"two-samples", "slice-x", "slice-z", "level-1"};
+  static const std::map<std::string, std::set<std::string>> others{
+      {"large-offset-kept",
+       {"combination", "opengl-blend-r32f", "opengl-blend-r16f", "opengl-blend-r16", "opengl-fused"}},
+      {"subnormal", {"opengl-blend-r32f", "opengl-fused", "opengl"}},
+      {"level-12", {"opengl-blend-r16f", "opengl-blend-r16"}}};
+  if (way.engine == Engine::blend && way.format == hbGlFormat::r8) return !fewGrids.contains(name);
+  const auto found = others.find(name);
+  return found != others.end() && found->second.contains(way.label());
+}
+
 double worstShare(const std::vector<hbHardCaseError>& errors) {
   double worst = 0.0;
   for (const hbHardCaseError& one : errors) worst = std::max(worst, one.error / one.bound);
@@ -73,7 +89,8 @@ double worstShare(const std::vector<hbHardCaseError>& errors) {
 TEST_P(hbHardCaseTest, IsWithinItsBound) {
   const hbHardCaseResult result = measured(caseOf(GetParam()), wayOf(GetParam()));
   EXPECT_EQ(result.status, Status::done) << result.note;
-  EXPECT_LE(result.share, 1.0) << "error " << result.error << ", bound " << result.bound;
+  EXPECT_FALSE(result.exceedsBound()) << "error " << result.error << ", bound " << result.bound;
+  EXPECT_EQ(result.saysNothing, saysNothing(caseOf(GetParam()).name, wayOf(GetParam()))) << "bound " << result.bound;
   EXPECT_GT(result.bound, 0.0);
 }
 
@@ -110,11 +127,14 @@ TEST(hbHardCases, AWrongValueExceedsTheBoundOfEveryFormat) {
     EXPECT_GT(worstShare(measurement->errors({Engine::blend, format}, context.get())), 1.0) << hb::glFormatName(format);
 }
 
-// The coefficients' magnitudes; values lie within 8 of each other, and all component grids have about 1.
-TEST(hbHardCases, TheAlternatingSumIsAtItsWorstAtLevelEleven) {
+// The coefficients' magnitudes; values lie within 1 of each other, and all component grids have about 1.
+TEST(hbHardCases, TheAlternatingSumIsManyTimesTheRangeAtLevelEleven) {
   const hbHardCase::Problem problem = named("checkerboard").make();
   EXPECT_EQ(hb::amplification(problem.grid.indexSet()), 221.0);
-  EXPECT_GT(hbHardCaseMeasurement::of(problem)->amplification().combination, 20.0);
+  const auto measurement = hbHardCaseMeasurement::of(problem);
+  EXPECT_LE(measurement->range(), 1.1);
+  EXPECT_GT(measurement->range(), 0.9);
+  EXPECT_GT(measurement->amplification().combination, 200.0);
 }
 
 // Centred, as the reader does it, a small signal on a large offset is as good as without; else a sixteenth is lost.
@@ -123,6 +143,33 @@ TEST(hbHardCases, ALargeOffsetIsTakenAway) {
     EXPECT_TRUE(measured(named("large-offset"), {engine}).stable) << int(engine);
     EXPECT_FALSE(measured(named("large-offset-kept"), {engine}).stable) << int(engine);
   }
+}
+
+TEST(hbHardCases, NoNumberAndNoBoundAreNotWithinIt) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto of = [](const hbHardCaseError& one) {
+    return hbHardCaseResult::of({Engine::direct}, {{0.0, 0.5}, one, {0.1, 0.5}}, 1.0);
+  };
+  for (const hbHardCaseError& one : {hbHardCaseError{kNaN, 0.5},
+                                     {0.1, kNaN},
+                                     {0.1, kInfinity},
+                                     {kInfinity, kInfinity},
+                                     {kInfinity, 0.5},
+                                     {0.1, 0.0},
+                                     {0.6, 0.5}}) {
+    EXPECT_TRUE(of(one).exceedsBound()) << one.error << " of " << one.bound;
+    EXPECT_FALSE(of(one).isWithinBound()) << one.error << " of " << one.bound;
+  }
+  EXPECT_TRUE(of({0.5, 0.5}).isWithinBound());
+  EXPECT_TRUE(of({0.0, 0.0}).isWithinBound());
+}
+
+TEST(hbHardCases, ABoundOfTheRangeSaysNothing) {
+  const hbHardCaseResult result = hbHardCaseResult::of({Engine::direct}, {{0.5, 2.0}}, 2.0);
+  EXPECT_TRUE(result.saysNothing);
+  EXPECT_FALSE(result.isWithinBound());
+  EXPECT_FALSE(result.exceedsBound());
 }
 
 TEST(hbHardCases, OpenGlWithoutAContextIsRefused) {
@@ -149,10 +196,10 @@ std::vector<hbHardCaseResults> twoResults() {
   one.range = 2.0;
   one.hierarchicalTerms = 3.0;
   one.combinationTerms = 55.0;
-  one.results = {{{Engine::stored}, Status::done, 0.0, 1e-7, 0.0, true, ""},
-                 {{Engine::direct}, Status::done, 2e-8, 4e-6, 0.5, true, ""},
-                 {{Engine::blend, hbGlFormat::r8}, Status::done, 1.0, 4.0, 0.25, false, ""},
-                 {{Engine::fused}, Status::refused, 0.0, 0.0, 0.0, false, "too small"}};
+  one.results = {{{Engine::stored}, Status::done, 0.0, 1e-7, 0.0, true, false, ""},
+                 {{Engine::direct}, Status::done, 2e-8, 4e-6, 0.5, true, false, ""},
+                 {{Engine::blend, hbGlFormat::r8}, Status::done, 1.0, 4.0, 0.25, false, true, ""},
+                 {{Engine::fused}, Status::refused, 0.0, 0.0, 0.0, false, false, "too small"}};
   return {one};
 }
 
@@ -173,7 +220,11 @@ TEST(hbHardCases, AsJson) {
   ASSERT_EQ(one["results"].size(), 4U);
   EXPECT_EQ(one["results"][1]["error"], 2e-8);
   EXPECT_EQ(one["results"][1]["within_bound"], true);
+  EXPECT_EQ(one["results"][1]["says_nothing"], false);
   EXPECT_EQ(one["results"][2]["format"], "r8");
+  EXPECT_EQ(one["results"][2]["within_bound"], false);
+  EXPECT_EQ(one["results"][2]["exceeds_bound"], false);
+  EXPECT_EQ(one["results"][2]["says_nothing"], true);
   EXPECT_EQ(one["results"][2]["engine"], "opengl-blend");
   EXPECT_EQ(one["results"][3]["status"], "refused");
   EXPECT_TRUE(one["results"][3]["error"].is_null());
