@@ -65,7 +65,8 @@ hb::ReportJson hbComparisonPeers::vtk(hbPeers::VtkMapper mapper, hbScene scene, 
   const fs::path sceneFile = place_ / "scene.json";
   hb::saveScene(scene, sceneFile);
   const std::string image = hbComparisonFolder::picture(key);
-  const hbVtkRun run = peers_.render(floats_, sceneFile, mapper, what_.repeats, folder_.path() / image, progress);
+  const hbVtkRun run =
+      peers_.render(floats_, sceneFile, mapper, what_.repeats, what_.threads, folder_.path() / image, progress);
 
   const hbImage8 expected = hb::displayImage(reference, scene), found = hb::readPng(folder_.path() / image);
   const std::string difference = hbComparisonFolder::picture(key + "-difference");

@@ -107,10 +107,14 @@ hbZfpRun hbPeers::compress(const std::filesystem::path& in, std::uint64_t bytes,
 }
 
 hbVtkRun hbPeers::render(const std::filesystem::path& in, const std::filesystem::path& scene, VtkMapper mapper,
-                         int repeats, const std::filesystem::path& out, hbProgress& progress) const {
+                         int repeats, int threads, const std::filesystem::path& out, hbProgress& progress) const {
   const hbExternalProgram& program = existing(vtk_, kVtk);
-  std::vector<std::string> arguments{in.string(), scene.string(), mapper == VtkMapper::cpu ? "cpu" : "gpu",
-                                     std::to_string(repeats), out.string()};
+  std::vector<std::string> arguments{in.string(),
+                                     scene.string(),
+                                     mapper == VtkMapper::cpu ? "cpu" : "gpu",
+                                     std::to_string(repeats),
+                                     std::to_string(threads),
+                                     out.string()};
   if (display_) {
     // A server that does not reset itself when the first window goes.
     const std::vector<std::string> before{"-a", "-s", "-noreset -screen 0 1024x1024x24", program.path().string()};
@@ -120,11 +124,14 @@ hbVtkRun hbPeers::render(const std::filesystem::path& in, const std::filesystem:
   auto run = runOf<hbVtkRun>(program, text, [](const nlohmann::json& json) {
     return hbVtkRun{.version = json.at("version"),
                     .renderer = json.at("renderer"),
+                    .threads = json.at("threads"),
                     .step = json.at("step"),
                     .secondsFirst = json.at("seconds_first"),
                     .secondsFrames = json.at("seconds_frames")};
   });
   expect(run.secondsFrames.size() == std::size_t(repeats), program, fmt::format("{} frames", repeats).c_str(), text);
+  expect(run.threads >= 1 && (threads == 0 || run.threads <= threads), program,
+         threads == 0 ? "a number of threads" : fmt::format("1 to {} threads", threads).c_str(), text);
   expect(isTime(run.secondsFirst) && std::all_of(run.secondsFrames.begin(), run.secondsFrames.end(), isTime), program,
          "times", text);
   return run;

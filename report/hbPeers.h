@@ -26,6 +26,7 @@ struct hbZfpRun {
 struct hbVtkRun {
   std::string version;
   std::string renderer;      ///< OpenGL's name for what drew; VTK's mapper on the CPU needs it to show pictures.
+  int threads = 0;           ///< That VTK drew with at the most.
   double step = 0.0;         ///< World length between samples.
   double secondsFirst = 0.0; ///< The first picture, with all that VTK prepares for it.
   std::vector<double> secondsFrames; ///< Each of those after it.
@@ -65,11 +66,11 @@ public:
                     hbProgress& progress = hbProgress::none()) const;
 
   /// Draws the volume file `in` (as above) and the complete scene in the file `scene` (camera, window, iso-value,
-  /// transfer function, where its mode needs them) once and then `repeats` times, 1 to 10000, and writes the last
-  /// picture to the PNG file `out`. Without a DISPLAY, xvfb-run gives it one, where that is installed. Throws
-  /// hbPeerRefusal for what VTK does not draw as hbvol does (doc/peers.md).
+  /// transfer function, where its mode needs them) once and then `repeats` times, 1 to 10000, with at most `threads`
+  /// threads (0: one a core), and writes the last picture to the PNG file `out`. Without a DISPLAY, xvfb-run gives it
+  /// one, where that is installed. Throws hbPeerRefusal for what VTK does not draw as hbvol does (doc/peers.md).
   hbVtkRun render(const std::filesystem::path& in, const std::filesystem::path& scene, VtkMapper mapper, int repeats,
-                  const std::filesystem::path& out, hbProgress& progress = hbProgress::none()) const;
+                  int threads, const std::filesystem::path& out, hbProgress& progress = hbProgress::none()) const;
 
 private:
   std::optional<hbExternalProgram> zfp_, vtk_, display_;

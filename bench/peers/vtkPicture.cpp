@@ -1,4 +1,5 @@
-// A scene drawn by VTK's volume mappers: hbvol_peer_vtk IN.nrrd SCENE.json cpu|gpu REPEATS OUT.png (doc/peers.md).
+// A scene drawn by VTK's volume mappers: hbvol_peer_vtk IN.nrrd SCENE.json cpu|gpu REPEATS THREADS OUT.png
+// (doc/peers.md).
 //
 // hbvol adds up light and shows pictures as coded sRGB. So VTK is given linear light, and what it draws, in floats, is
 // shown by hbvol's own display; a map's colours of greatest values are coded already.
@@ -17,6 +18,7 @@
 #include <vtkContourValues.h>
 #include <vtkFloatArray.h>
 #include <vtkLogger.h>
+#include <vtkMultiThreader.h>
 #include <vtkObjectFactory.h>
 #include <vtkOpenGLFramebufferObject.h>
 #include <vtkOpenGLRenderWindow.h>
@@ -34,6 +36,7 @@
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
 #include "scene/hbScene.h"
+#include "volume/hbParallel.h"
 #include "volume/hbVolumeReader.h"
 
 namespace {
@@ -321,11 +324,20 @@ private:
   vtkNew<vtkRenderWindow> window_;
 };
 
+/// Holds VTK to so many threads (0: one a core), and Mesa's software renderer, where LP_NUM_THREADS does not say:
+/// before either begins. Returns VTK's, which has a bound of its own.
+int holdToThreads(int threads) {
+  if (threads > 0) ::setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 0);
+  vtkMultiThreader::SetGlobalDefaultNumberOfThreads(threads > 0 ? threads : hb::parallelThreads());
+  return vtkMultiThreader::GetGlobalDefaultNumberOfThreads();
+}
+
 nlohmann::ordered_json work(char** arguments) {
-  constexpr int kMostRepeats = 10000;
-  const std::string in = arguments[0], sceneName = arguments[1], mapper = arguments[2], out = arguments[4];
+  constexpr int kMostRepeats = 10000, kMostThreads = 4096;
+  const std::string in = arguments[0], sceneName = arguments[1], mapper = arguments[2], out = arguments[5];
   if (mapper != "cpu" && mapper != "gpu") throw hbError(fmt::format("mapper: expected cpu or gpu, found '{}'", mapper));
   const std::uint64_t repeats = peer::wholeNumber(arguments[3], "REPEATS", 1, kMostRepeats);
+  const int threads = holdToThreads(int(peer::wholeNumber(arguments[4], "THREADS", 0, kMostThreads)));
   const hbScene scene = hb::loadScene(sceneName);
   const hbVolume volume = prepared(hb::readVolume(in), in);
   check(scene, volume.geometry(), mapper == "gpu", sceneName);
@@ -345,15 +357,15 @@ nlohmann::ordered_json work(char** arguments) {
   const hbImage8 image = drawing.image();
   if (!complaints->first().empty()) throw hbError(complaints->first());
   hb::writePng(image, out);
-  return {{"name", "vtk"},           {"version", vtkVersion::GetVTKVersion()},
-          {"mapper", mapper},        {"renderer", drawing.rendererName()},
-          {"step", drawing.step()},  {"seconds_first", first},
-          {"seconds_frames", frames}};
+  return {{"name", "vtk"},          {"version", vtkVersion::GetVTKVersion()},
+          {"mapper", mapper},       {"renderer", drawing.rendererName()},
+          {"threads", threads},     {"step", drawing.step()},
+          {"seconds_first", first}, {"seconds_frames", frames}};
 }
 
 } // namespace
 
 int main(int count, char** arguments) {
-  return peer::run(count, arguments, "vtk", vtkVersion::GetVTKVersion(), "IN.nrrd SCENE.json cpu|gpu REPEATS OUT.png",
-                   work);
+  return peer::run(count, arguments, "vtk", vtkVersion::GetVTKVersion(),
+                   "IN.nrrd SCENE.json cpu|gpu REPEATS THREADS OUT.png", work);
 }

@@ -63,7 +63,7 @@ protected:
   }
   static hbZfpRun compress(const hbPeers& peers) { return peers.compress("in.nrrd", 1000, "out.nrrd"); }
   static hbVtkRun render(const hbPeers& peers, hbProgress& progress = hbProgress::none()) {
-    return peers.render("in.nrrd", "scene.json", hbPeers::VtkMapper::gpu, 2, "out.png", progress);
+    return peers.render("in.nrrd", "scene.json", hbPeers::VtkMapper::gpu, 2, 3, "out.png", progress);
   }
 
   hbTestFolder folder_;
@@ -74,7 +74,7 @@ constexpr const char* kZfpAnswer =
     R"(echo '{"name":"zfp","version":"9.8.7","bytes":999,"mode":"rate","parameter":1.5,"rmse":0.25,"threads":1,)"
     R"("seconds_compress":0.5,"seconds_decompress":0.125}')";
 constexpr const char* kVtkAnswer =
-    R"(echo '{"name":"vtk","version":"9.1.0","mapper":"gpu","renderer":"one","step":0.5,)"
+    R"(echo '{"name":"vtk","version":"9.1.0","mapper":"gpu","renderer":"one","threads":3,"step":0.5,)"
     R"("seconds_first":2,"seconds_frames":[0.5,0.25]}')";
 
 TEST_F(hbFakePeers, runsAreRead) {
@@ -88,9 +88,10 @@ TEST_F(hbFakePeers, runsAreRead) {
   EXPECT_EQ(packed.secondsCompress, 0.5);
   EXPECT_EQ(packed.secondsDecompress, 0.125);
 
-  const hbVtkRun drawn = render(vtk(std::string("test \"$*\" = 'in.nrrd scene.json gpu 2 out.png' &&") + kVtkAnswer));
+  const hbVtkRun drawn = render(vtk(std::string("test \"$*\" = 'in.nrrd scene.json gpu 2 3 out.png' &&") + kVtkAnswer));
   EXPECT_EQ(drawn.version, "9.1.0");
   EXPECT_EQ(drawn.renderer, "one");
+  EXPECT_EQ(drawn.threads, 3);
   EXPECT_EQ(drawn.step, 0.5);
   EXPECT_EQ(drawn.secondsFirst, 2.0);
   EXPECT_EQ(drawn.secondsFrames, (std::vector{0.5, 0.25}));
@@ -135,9 +136,12 @@ TEST_F(hbFakePeers, whatIsNoAnswerIsAnError) {
   EXPECT_HB_ERROR(render(vtk("echo '{\"version\":7}'")), "expected a JSON object of its run");
   const hbPeers peers = zfp(kZfpAnswer);
   EXPECT_HB_ERROR(peers.compress("a", 998, "b"), "expected 1 to 998 bytes, found");
-  EXPECT_HB_ERROR(vtk(kVtkAnswer).render("a", "b", hbPeers::VtkMapper::cpu, 3, "c"), "expected 3 frames, found");
+  EXPECT_HB_ERROR(vtk(kVtkAnswer).render("a", "b", hbPeers::VtkMapper::cpu, 3, 3, "c"), "expected 3 frames, found");
+  EXPECT_HB_ERROR(vtk(kVtkAnswer).render("a", "b", hbPeers::VtkMapper::cpu, 2, 2, "c"),
+                  "expected 1 to 2 threads, found");
   EXPECT_HB_ERROR(
-      render(vtk(R"(echo '{"version":"1","renderer":"","step":1,"seconds_first":-1,"seconds_frames":[1,1]}')")),
+      render(vtk(
+          R"(echo '{"version":"1","renderer":"","threads":1,"step":1,"seconds_first":-1,"seconds_frames":[1,1]}')")),
       "expected times, found");
 }
 
@@ -252,8 +256,9 @@ TEST_F(hbRealPeers, vtkDrawsTheScene) {
   scene.camera =
       hbCamera::framing(volume.geometry(), 0.0, 0.0, hbCamera::Projection::orthographic, 1.0, hbCamera::kFramingMargin);
   hb::saveScene(scene, folder_ / "scene.json");
-  const hbVtkRun run = peers_.render(in_, folder_ / "scene.json", hbPeers::VtkMapper::gpu, 2, folder_ / "out.png");
+  const hbVtkRun run = peers_.render(in_, folder_ / "scene.json", hbPeers::VtkMapper::gpu, 2, 1, folder_ / "out.png");
   EXPECT_EQ(run.secondsFrames.size(), 2U);
+  EXPECT_EQ(run.threads, 1);
   EXPECT_EQ(run.step, 1.0);
   const hbImage8 image = hb::readPng(folder_ / "out.png");
   ASSERT_EQ(image.width, 32);
@@ -264,7 +269,7 @@ TEST_F(hbRealPeers, vtkDrawsTheScene) {
 
   scene.labels = true;
   hb::saveScene(scene, folder_ / "scene.json");
-  EXPECT_THROW(peers_.render(in_, folder_ / "scene.json", hbPeers::VtkMapper::gpu, 1, folder_ / "out.png"),
+  EXPECT_THROW(peers_.render(in_, folder_ / "scene.json", hbPeers::VtkMapper::gpu, 1, 0, folder_ / "out.png"),
                hbPeerRefusal);
 }
 
