@@ -61,6 +61,7 @@ void appendEscaped(std::string& to, std::string_view text) {
 std::string hb::figureText(double value) {
   constexpr int kDigits = 3;
   const double size = std::abs(value);
+  if (!std::isfinite(value)) return std::string(kDash);
   if (value == 0.0) return "0";
   if ((value == std::floor(value) && size < 1e9) || (size >= 99.95 && size < 1e6)) return fmt::format("{:.0f}", value);
   if (size < 0.0009995 || size >= 99.95) return fmt::format("{:.{}e}", value, kDigits - 1);
@@ -104,7 +105,7 @@ void hbHtmlWriter::empty(const char* tag, Attributes attributes) {
 
 void hbHtmlWriter::figure(const hbReportPlace& place, const hbUnit& unit) {
   const auto number = place.number();
-  if (!number) return text(kDash);
+  if (!number || !std::isfinite(*number)) return text(kDash);
   startTag("data", {{"value", place.value().dump()}, {"data-json", place.pointer()}, {"data-unit", unit.name}});
   html_ += '>';
   const double shown = *number / unit.factor;

@@ -18,7 +18,7 @@ struct hbUnit {
 namespace hb {
 
 /// For people: three to four significant digits, integers below a million whole; "0.0123", "45.6", "7109137",
-/// "1.23e-5".
+/// "1.23e-5". A dash for what is not finite.
 std::string figureText(double value);
 
 } // namespace hb
@@ -40,7 +40,7 @@ public:
   void element(const char* tag, std::string_view text, Attributes attributes = {});
   void empty(const char* tag, Attributes attributes = {}); ///< An element without content: <br/>
 
-  /// A number of the report in a unit; a dash where there is none.
+  /// A number of the report in a unit; a dash where there is none or it is not finite.
   void figure(const hbReportPlace& place, const hbUnit& unit = {});
 
   /// A string of the report as it stands; a dash where there is none.

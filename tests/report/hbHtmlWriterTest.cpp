@@ -1,5 +1,7 @@
 #include "report/hbHtmlWriter.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "report/hbDataUri.h"
@@ -61,6 +63,17 @@ TEST(hbHtmlWriter, figuresHaveThreeToFourDigits) {
   EXPECT_EQ(hb::figureText(0.012345), "0.0123");
   EXPECT_EQ(hb::figureText(0.00012345), "1.23e-04");
   EXPECT_EQ(hb::figureText(1.2345e12), "1.23e+12");
+}
+
+TEST(hbHtmlWriter, whatIsNotFiniteIsADash) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double value : {kInfinity, -kInfinity, kNan}) {
+    EXPECT_EQ(hb::figureText(value), "\xe2\x80\x93") << value;
+    const hbReportPlace::Json report{{"x", value}};
+    hbHtmlWriter page;
+    page.figure(hbReportPlace(report)["x"], {"", 1.0, 4});
+    EXPECT_EQ(page.html(), "\xe2\x80\x93") << value;
+  }
 }
 
 TEST(hbDataUri, codesAsRfc4648) {
