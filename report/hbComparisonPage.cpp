@@ -159,7 +159,7 @@ private:
              "view and samples. Tables begin with the choice whose picture is closest to it. A row marked \"time\" is "
              "on the Pareto front of time and error: nothing measured is both faster and closer. One marked \"size\" "
              "is on that of bytes and error. Sizes in kB count by powers of two. A dash stands for what is unknown or "
-             "does not apply; where nothing differs, there is no PSNR.");
+             "does not apply; where nothing differs, or the reference has one value only, there is no PSNR.");
     page_.open("p");
     page_.text("All figures stand with all their digits in ");
     page_.element("a", "report.json", {{"href", "report.json"}});

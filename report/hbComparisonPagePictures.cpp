@@ -4,18 +4,20 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "report/hbComparisonPageTables.h"
 #include "report/hbDataUri.h"
-#include "volume/hbError.h"
 
 namespace {
 
 /// Of all pictures on the page: with 4/3 for their coding, tables and plots the page stays below 10 MB.
 constexpr std::uint64_t kPictureBytes = 13U << 19U;
+constexpr auto kMissing = "Picture missing: ";
 
 std::vector<std::string> modesOf(const hbReportPlace& report) {
   std::vector<std::string> modes;
@@ -34,11 +36,19 @@ bool looksDifferent(const hbReportPlace& a, const hbReportPlace& b) {
   return luvA && luvB && std::abs(*luvA - *luvB) > kJustSeen;
 }
 
-std::uint64_t bytesOf(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto bytes = std::filesystem::file_size(path, error);
-  if (error) throw hbError(fmt::format("{}: expected a picture, found: {}", path.string(), error.message()));
-  return bytes;
+/// None where there is no such file.
+std::optional<std::uint64_t> bytesOf(const std::filesystem::path& path) {
+  std::error_code missing;
+  const std::uint64_t bytes = std::filesystem::file_size(path, missing);
+  return missing ? std::nullopt : std::optional(bytes);
+}
+
+/// Instead of a picture: why it is not here, and its path.
+void writeNote(hbHtmlWriter& page, const char* why, const hbReportPlace& path) {
+  page.open("span", {{"class", "left-out"}});
+  page.text(why);
+  page.quote(path);
+  page.close();
 }
 
 } // namespace
@@ -65,9 +75,9 @@ hbComparisonPagePictures::hbComparisonPagePictures(const hbReportPlace& report, 
       for (const auto& one : hb::casesToShow(report, mode)) {
         const std::string path = one[key].text();
         if (path.empty()) continue;
-        const std::uint64_t bytes = bytesOf(folder_ / path);
-        if (bytes > left) continue;
-        left -= bytes;
+        const auto bytes = bytesOf(folder_ / path);
+        if (!bytes || *bytes > left) continue;
+        left -= *bytes;
         inlined_.insert(path);
       }
 }
@@ -79,10 +89,7 @@ void hbComparisonPagePictures::writeImage(hbHtmlWriter& page, const hbReportPlac
     page.empty("img", {{"src", hb::dataUri(folder_ / path.text(), "image/png")}, {"alt", description}});
     return;
   }
-  page.open("span", {{"class", "left-out"}});
-  page.text("Left out for its size: ");
-  page.quote(path);
-  page.close();
+  writeNote(page, bytesOf(folder_ / path.text()) ? "Left out for its size: " : kMissing, path);
 }
 
 void hbComparisonPagePictures::writeCase(hbHtmlWriter& page, const hbReportPlace& one) const {
@@ -107,9 +114,12 @@ void hbComparisonPagePictures::writeCase(hbHtmlWriter& page, const hbReportPlace
   if (isReference(one)) {
     page.text("the reference");
   } else {
-    page.text("RMSE ");
-    page.figure(one["picture"]["rmse"]);
-    page.text(", L*u*v* ");
+    if (hb::hasPictureValues(one)) {
+      page.text("RMSE ");
+      page.figure(one["picture"]["rmse"]);
+      page.text(", ");
+    }
+    page.text("L*u*v* ");
     page.figure(one["picture"]["luv_mean"]);
   }
   page.close();
@@ -126,6 +136,9 @@ void hbComparisonPagePictures::writePlot(hbHtmlWriter& page, const hbReportPlace
                                          const char* description) const {
   if (place.null()) return;
   page.open("figure");
-  page.empty("img", {{"src", hb::dataUri(folder_ / place.text(), "image/svg+xml")}, {"alt", description}});
+  if (bytesOf(folder_ / place.text()))
+    page.empty("img", {{"src", hb::dataUri(folder_ / place.text(), "image/svg+xml")}, {"alt", description}});
+  else
+    writeNote(page, kMissing, place);
   page.close();
 }

@@ -11,10 +11,11 @@
 /// The pictures and plots of a comparison's page, inlined. Not installed.
 class hbComparisonPagePictures {
 public:
-  /// Chooses what to show. `folder` is where the report's paths begin. Throws hbError where a picture cannot be read.
+  /// Chooses what to show. `folder` is where the report's paths begin.
   hbComparisonPagePictures(const hbReportPlace& report, std::filesystem::path folder);
 
-  /// A mode's reference, then each choice with its difference picture, in the order of the mode's table.
+  /// A mode's reference, then each choice with its difference picture, in the order of the mode's table. Says which
+  /// pictures are missing or left out. This and the next throw hbError where one that is there cannot be read.
   void write(hbHtmlWriter& page, const std::string& mode) const;
 
   /// A plot; nothing where the report has none there.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <optional>
 #include <tuple>
 
 namespace {
@@ -21,6 +22,7 @@ struct Column {
   std::vector<Path> paths;
   hbUnit unit;
   bool optional = false; ///< Left out where no row has it.
+  bool ofValues = false; ///< A dash for cases without hb::hasPictureValues().
 };
 
 const std::vector<Column> kChoiceColumns{
@@ -30,8 +32,14 @@ const std::vector<Column> kChoiceColumns{
     {"build", "time to make it from the volume", {{"seconds_build"}}, kMilliseconds},
     {"value max", "largest error of a value against the volume's samples", {{"values", "max"}}, {}},
     {"value RMSE", "root of the mean squared error of the values", {{"values", "rmse"}}, {}},
-    {"value PSNR", "the range of values over that RMSE; none where nothing differs", {{"values", "psnr"}}, kDecibels},
-    {"order", "binary logarithm of how much smaller the RMSE is than that of the level before", {{"order"}}, {}},
+    {"value PSNR",
+     "the range of values over that RMSE; none where nothing differs or the samples have one value only",
+     {{"values", "psnr"}},
+     kDecibels},
+    {"order",
+     "log(RMSE before / RMSE) / log(mesh width before / mesh width) between neighbouring levels",
+     {{"order"}},
+     {}},
     {"true max", "largest error against the analytic field itself", {{"true_values", "max"}}, {}, true},
     {"true RMSE", "root of the mean squared error against the analytic field", {{"true_values", "rmse"}}, {}, true},
     {"true order", "as order, of the RMSE against the analytic field", {{"true_order"}}, {}, true}};
@@ -45,20 +53,37 @@ const std::vector<Column> kCaseColumns{
      "fastest and slowest of the repeats",
      {{"seconds_frame", "min"}, {"seconds_frame", "max"}},
      kMilliseconds},
-    {"samples", "samples of the volume taken, in millions a second", {{"samples_per_second"}}, kMillions},
-    {"first picture", "from the opened input to the first picture", {{"seconds_first_picture"}}, kMilliseconds},
+    {"samples",
+     "millions a second, nominal: the length of all rays in the volume over the step, whatever an engine leaves out",
+     {{"samples_per_second"}},
+     kMillions},
+    {"first picture",
+     "reading what is kept, making the engine and one frame; of VTK without the reading",
+     {{"seconds_first_picture"}},
+     kMilliseconds},
     {"compressed", "bytes kept, as in a file", {{"compressed_bytes"}}, kKilobytes},
     {"resident", "bytes in memory to draw from", {{"resident_bytes"}}, kKilobytes},
     {"textures", "bytes of textures", {{"texture_bytes"}}, kKilobytes},
     {"picture max",
-     "largest difference of a pixel to the reference picture, in the picture's values",
+     "largest difference of a pixel to the reference picture, in the picture's values; none of VTK's pictures, which "
+     "are images of bytes and compared as displayed",
      {{"picture", "max"}},
-     {}},
-    {"picture RMSE", "root of the mean squared difference to the reference picture", {{"picture", "rmse"}}, {}},
+     {},
+     false,
+     true},
+    {"picture RMSE",
+     "root of the mean squared difference to the reference picture; none of VTK's",
+     {{"picture", "rmse"}},
+     {},
+     false,
+     true},
     {"picture PSNR",
-     "the reference picture's range over that RMSE; none where nothing differs",
+     "the reference picture's range over that RMSE; none where nothing differs or the reference has one value only, "
+     "and none of VTK's",
      {{"picture", "psnr"}},
-     kDecibels},
+     kDecibels,
+     false,
+     true},
     {"picture SSIM",
      "structural similarity to the reference picture as shown; one for equal pictures",
      {{"picture", "ssim"}},
@@ -126,13 +151,18 @@ void writeHead(hbHtmlWriter& page, std::initializer_list<const char*> names, con
   page.close();
 }
 
+void writeCell(hbHtmlWriter& page, const hbReportPlace& row, const Column& column) {
+  if (column.ofValues && !hb::hasPictureValues(row)) return page.text(kEnDash);
+  for (std::size_t i = 0; i < column.paths.size(); ++i) {
+    if (i > 0) page.text(kEnDash);
+    page.figure(at(row, column.paths[i]), column.unit);
+  }
+}
+
 void writeFigures(hbHtmlWriter& page, const hbReportPlace& row, const std::vector<Column>& columns) {
   for (const Column& column : columns) {
     page.open("td");
-    for (std::size_t i = 0; i < column.paths.size(); ++i) {
-      if (i > 0) page.text(kEnDash);
-      page.figure(at(row, column.paths[i]), column.unit);
-    }
+    writeCell(page, row, column);
     page.close();
   }
 }
@@ -243,20 +273,22 @@ hbReportPlace hb::choiceOf(const hbReportPlace& report, const std::string& key) 
   return choices[choices.size()];
 }
 
+bool hb::hasPictureValues(const hbReportPlace& one) { return !one["image_only"].truth(); }
+
 std::vector<hbReportPlace> hb::casesInOrder(const hbReportPlace& report, const std::string& mode) {
   std::vector<hbReportPlace> cases;
   std::map<std::string, double> least; // picture error of a choice
   for (const auto& one : elements(report["cases"])) {
     if (one["mode"].text() != mode || one["status"].text() != "done") continue;
     cases.push_back(one);
-    const double error = orLast(one["picture"]["rmse"].number());
+    const double error = orLast(hasPictureValues(one) ? one["picture"]["rmse"].number() : std::nullopt);
     const auto [entry, added] = least.emplace(one["choice"].text(), error);
     entry->second = std::min(entry->second, error);
   }
   const auto rank = [&](const hbReportPlace& one) {
     const std::string choice = one["choice"].text();
     return std::tuple(least.at(choice), orLast(choiceOf(report, choice)["bytes"].number()), choice,
-                      orLast(one["seconds_frame"]["median"].number()));
+                      !hasPictureValues(one), orLast(one["seconds_frame"]["median"].number()));
   };
   std::stable_sort(cases.begin(), cases.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   return cases;

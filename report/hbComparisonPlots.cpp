@@ -68,7 +68,8 @@ hbPlot::Series seriesOf(const std::string& kind) {
 
 struct Case {
   std::string kind, engine;
-  std::optional<double> level, milliseconds, kilobytes, error;
+  std::optional<double> level, milliseconds, kilobytes;
+  std::optional<double> error; ///< Of the picture, in its values; none where it was compared as an image of bytes.
   bool paretoTime = false, paretoBytes = false;
 };
 
@@ -88,7 +89,8 @@ std::vector<Case> casesOf(const hbReportPlace& report, const std::string& mode) 
     if (one["mode"].text() != mode || one["status"].text() != "done" || choice == choices.end()) continue;
     cases.push_back({choice->second["kind"].text(), one["engine"].text(), choice->second["level"].number(),
                      scaled(one["seconds_frame"]["median"], kMilliseconds),
-                     scaled(one["compressed_bytes"], 1.0 / kKilobyte), one["picture"]["rmse"].number(),
+                     scaled(one["compressed_bytes"], 1.0 / kKilobyte),
+                     one["image_only"].truth() ? std::nullopt : one["picture"]["rmse"].number(),
                      one["pareto_time"].truth(), one["pareto_bytes"].truth()});
   }
   return cases;

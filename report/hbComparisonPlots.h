@@ -16,7 +16,8 @@ namespace hb {
 ///               "time_level":  {...},                                        seconds a frame over level
 ///               "convergence": {"values": ..., "true_values": ...}}          RMSE of values over level
 ///
-/// Plots with nothing to show are left out, and those over the level where there is only one. Pareto fronts are drawn
+/// Plots with nothing to show are left out, and those over the level where there is only one. Cases whose pictures
+/// were compared as images of bytes ("image_only") have no place in plots of picture errors. Pareto fronts are drawn
 /// through the cases that the report marks. The same report and gnuplot give the same bytes. Throws hbError where
 /// gnuplot is missing or fails or a file cannot be written (the report is then as before), hbCancelled when cancelled.
 void makeComparisonPlots(nlohmann::ordered_json& report, const std::filesystem::path& folder,

@@ -1,5 +1,6 @@
 #include "report/hbComparisonPage.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -156,12 +157,18 @@ TEST_F(hbComparisonPageTest, missingPlotsAreSaid) {
   EXPECT_NE(page().find("The plots are missing"), std::string::npos);
 }
 
-TEST_F(hbComparisonPageTest, missingPictureIsAnErrorAndLeavesThePage) {
-  write(hb::test::report());
-  const std::string before = page();
+TEST_F(hbComparisonPageTest, missingPicturesAreSaid) {
+  Json report = hb::test::report();
+  report["plots"]["error_time"]["xray"] = "plots/error-time-xray.svg";
+  write(report);
+  EXPECT_NE(page().find("Picture missing: <span data-json=\"/plots/error_time/xray\">plots/error-time-xray.svg<"),
+            std::string::npos);
+  EXPECT_EQ(page().find("data-json=\"/cases/0/image\""), std::string::npos);
   std::filesystem::remove(folder_ / "pictures/original-full-xray.png");
-  EXPECT_THROW(hb::writeComparisonPage(hb::test::report(), folder_.path()), hbError);
-  EXPECT_EQ(page(), before);
+  hb::writeComparisonPage(report, folder_.path());
+  EXPECT_EQ(findings(), "");
+  EXPECT_NE(page().find("Picture missing: <span data-json=\"/cases/0/image\">pictures/original-full-xray.png<"),
+            std::string::npos);
 }
 
 TEST_F(hbComparisonPageTest, pagesStayBelow10MB) {
@@ -193,6 +200,31 @@ TEST(hbComparisonPage, orderIsByTheChoicesErrorThenByTime) {
                                       "sparse-5-seminodal-xray", "sparse-5-opengl-xray"}));
   report["cases"][0]["picture"] = nullptr; // unknown comes last
   EXPECT_EQ(keysOf(hb::casesInOrder(hbReportPlace(report), "xray")).back(), "original-full-xray");
+}
+
+TEST_F(hbComparisonPageTest, errorsOfImagesAreADash) {
+  Json report = hb::test::report();
+  report["cases"].push_back(hb::test::vtkCase(report, "mip"));
+  write(report);
+  EXPECT_EQ(findings(), "");
+  const std::string html = page(), place = "data-json=\"/cases/18/";
+  for (const char* key : {"picture/max", "picture/rmse", "picture/psnr"})
+    EXPECT_EQ(html.find(place + key + '"'), std::string::npos) << key;
+  for (const char* key : {"picture/ssim", "picture/luv_mean", "picture/luv_max", "seconds_frame/median"})
+    EXPECT_NE(html.find(place + key + '"'), std::string::npos) << key;
+  EXPECT_NE(html.find("alt=\"the volume itself by vtk-gpu, mip\""), std::string::npos); // with a caption
+}
+
+TEST(hbComparisonPage, imagesComeLastOfTheirChoice) {
+  Json report = hb::test::report();
+  report["cases"].push_back(hb::test::vtkCase(report, "mip"));
+  report["cases"][9]["picture"]["rmse"] = 5.0; // the reference, if it had an error above VTK's number
+  const auto keys = keysOf(hb::casesInOrder(hbReportPlace(report), "mip"));
+  ASSERT_EQ(keys.size(), 9U);
+  EXPECT_EQ(keys[0], "sparse-6-seminodal-mip"); // without an error
+  const auto full = std::find(keys.begin(), keys.end(), "original-full-mip");
+  ASSERT_NE(full, keys.end());
+  EXPECT_EQ(*(full + 1), "original-vtk-gpu-mip");
 }
 
 TEST(hbComparisonPage, aPictureAChoiceIsShownAndTheReferenceFirst) {

@@ -85,6 +85,24 @@ TEST(hbComparisonPlots, makesAllPlotsOfAReport) {
   EXPECT_EQ(points(textOf(folder / "plots/convergence-values.svg")), 2 + 2 + 1 + 3);
 }
 
+TEST(hbComparisonPlots, errorsOfImagesAreNotDrawn) {
+  const hbTestFolder folder;
+  Json report = hb::test::report();
+  const auto draw = [&] {
+    hb::makeComparisonPlots(report, folder.path());
+    std::vector<std::string> plots;
+    for (const char* name : {"error-time-mip", "error-bytes-mip", "time-level-mip"})
+      plots.push_back(textOf(folder / "plots" / (std::string(name) + ".svg")));
+    return plots;
+  };
+  const auto before = draw();
+  report["cases"].push_back(hb::test::vtkCase(report, "mip"));
+  const auto with = draw();
+  EXPECT_EQ(with[0], before[0]);
+  EXPECT_EQ(with[1], before[1]);
+  EXPECT_EQ(count(with[2], ">original, vtk-gpu</text>"), 1);
+}
+
 TEST(hbComparisonPlots, theTrueFieldHasItsOwnConvergence) {
   const hbTestFolder folder;
   Json report = hb::test::report();

@@ -188,6 +188,15 @@ Json hb::test::report() {
   return result;
 }
 
+Json hb::test::vtkCase(const Json& report, const std::string& mode) {
+  Json result = makeCase(report["choices"][0], "vtk-gpu", mode, 0);
+  result["image_only"] = true;
+  result["seconds_frame"]["median"] = 0.00123456;
+  result["picture"] = pictureErrors(14.5);
+  result["pareto_time"] = result["pareto_bytes"] = false;
+  return result;
+}
+
 Json hb::test::smallReport() {
   Json result = frame({choice("original", nullptr, "the volume itself", 7109137, 0.0),
                        choice("sparse", 5, "sparse grid, level 5", 6144, 40.5)},
