@@ -16,14 +16,19 @@ double number(const nlohmann::ordered_json& value) {
 
 void printHardCases(const nlohmann::ordered_json& hard) {
   if (hard.is_null()) return;
-  int done = 0, within = 0;
+  int done = 0, within = 0, beyond = 0, refused = 0, failed = 0;
   for (const auto& one : hard["cases"])
-    for (const auto& result : one["results"])
-      if (result["status"] == "done") {
-        ++done;
-        within += result["within_bound"] == true ? 1 : 0;
-      }
-  fmt::print("\nhard cases: {} of {} results are within their bounds\n", within, done);
+    for (const auto& result : one["results"]) {
+      done += result["status"] == "done" ? 1 : 0;
+      refused += result["status"] == "refused" ? 1 : 0;
+      failed += result["status"] == "failed" ? 1 : 0;
+      within += result["within_bound"] == true ? 1 : 0;
+      beyond += result["exceeds_bound"] == true ? 1 : 0;
+    }
+  const int silent = done - within - beyond;
+  fmt::print("\nhard cases: {} of {} results are within their bounds, {} beyond; {} bounds make no statement; "
+             "{} refused, {} failed\n",
+             within, done, beyond, silent, refused, failed);
 }
 
 } // namespace

@@ -104,8 +104,11 @@ const std::vector<Column> kCaseColumns{
      kSimilarity,
      true}};
 
-const std::vector<Column> kHardColumns{{"error", "largest error against the reference", {{"error"}}, {}},
-                                       {"bound", "derived bound of the error", {{"bound"}}, {}}};
+const std::vector<Column> kHardColumns{
+    {"error", "largest error against the reference", {{"error"}}, {}},
+    {"of the range", "the same in parts of the range of the values", {{"error_of_range"}}, {}},
+    {"bound", "derived bound of the error, the largest", {{"bound"}}, {}},
+    {"of the bound", "largest error in parts of the bound where it is", {{"share"}}, {}}};
 
 hbReportPlace at(hbReportPlace place, const Path& path) {
   for (const char* key : path) place = place[key];
@@ -227,11 +230,17 @@ void writeFailure(hbHtmlWriter& page, const hbReportPlace& label, const hbReport
   page.close();
 }
 
+const char* boundText(const hbReportPlace& result) {
+  if (result["exceeds_bound"].truth()) return "exceeded";
+  if (result["says_nothing"].truth()) return "no statement";
+  return result["within_bound"].truth() ? "yes" : "";
+}
+
 void writeHardCase(hbHtmlWriter& page, const hbReportPlace& one) {
   const auto results = elements(one["results"]);
   page.open("tbody");
   page.open("tr", {{"class", "choice"}});
-  page.open("th", {{"colspan", "7"}, {"scope", "rowgroup"}});
+  page.open("th", {{"colspan", "10"}, {"scope", "rowgroup"}});
   page.open("b");
   page.quote(one["name"]);
   page.close();
@@ -248,6 +257,7 @@ void writeHardCase(hbHtmlWriter& page, const hbReportPlace& one) {
     page.open("tr");
     for (const char* key : {"engine", "format", "status"}) writeName(page, "td", result[key]);
     page.element("td", result["stable"].truth() ? "yes" : "no", {{"class", "name"}});
+    page.element("td", boundText(result), {{"class", "name"}});
     writeName(page, "td", result["note"]);
     writeFigures(page, result, kHardColumns);
     page.close();
@@ -368,11 +378,13 @@ void hb::writeHardCases(hbHtmlWriter& page, const hbReportPlace& report) {
   const auto cases = elements(report["hard_cases"]["cases"]);
   if (cases.empty()) return;
   page.element("h2", "Hard cases");
-  page.element("p", "Fields chosen because rounding hurts there: the largest error of each engine against a reference "
-                    "in double precision, and the bound derived for it. The amplification is how much rounding can "
-                    "grow in the sum of component grids.");
+  page.element("p",
+               "Fields chosen because rounding hurts there: the largest error of each engine against a reference "
+               "in double precision, and the bound derived for it, which makes no statement where it is the range of "
+               "the values or more. The amplification is how much rounding can "
+               "grow in the sum of component grids.");
   openTable(page);
-  writeHead(page, {"engine", "format", "status", "stable", "note"}, kHardColumns);
+  writeHead(page, {"engine", "format", "status", "stable", "within bound", "note"}, kHardColumns);
   for (const auto& one : cases) writeHardCase(page, one);
   closeTable(page);
 }

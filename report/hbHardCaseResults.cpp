@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -16,26 +15,6 @@
 namespace {
 
 using Status = hbHardCaseResult::Status;
-
-/// A context, current as long as this lives, or why there is none.
-class Device {
-public:
-  Device() {
-    try {
-      context_ = hbGlContext::create();
-      current_.emplace(*context_);
-    } catch (const hbError& error) {
-      why_ = error.what();
-    }
-  }
-  const hbGlContext* context() const { return current_ ? context_.get() : nullptr; }
-  const std::string& why() const { return why_; }
-
-private:
-  std::unique_ptr<hbGlContext> context_;
-  std::optional<hbGlCurrent> current_;
-  std::string why_;
-};
 
 hbHardCaseResult failure(const hbHardCaseWay& way, Status status, const std::string& note) {
   hbHardCaseResult result;
@@ -110,26 +89,55 @@ hbHardCaseResult hb::measureHardCase(const hbHardCase::Problem& problem, const h
   return tried(*hbHardCaseMeasurement::of(problem), way, context, "OpenGL: expected a context, found none");
 }
 
-std::vector<hbHardCaseResults> hb::runHardCases(hbProgress& progress) {
-  const std::vector<hbHardCaseWay> ways = hbHardCaseWay::all();
-  const Device device;
-  progress.begin("hard cases", std::int64_t(hardCases().size() * ways.size()), "measurements");
-  std::vector<hbHardCaseResults> list;
-  for (const hbHardCase& one : hardCases()) {
-    const hbHardCase::Problem problem = one.make();
-    const auto measurement = hbHardCaseMeasurement::of(problem);
-    const hbHardCaseMeasurement::Amplification terms = measurement->amplification();
-    hbHardCaseResults& results = list.emplace_back();
-    results.name = one.name;
-    results.why = one.why;
-    results.coefficients = amplification(problem.grid.indexSet());
-    results.range = measurement->range();
-    results.hierarchicalTerms = terms.hierarchical;
-    results.combinationTerms = terms.combination;
-    for (const hbHardCaseWay& way : ways) {
-      results.results.push_back(tried(*measurement, way, device.context(), device.why()));
-      progress.advance(1);
+/// A context, current as long as this lives, or why there is none.
+class hbHardCaseRun::Device {
+public:
+  Device() {
+    try {
+      context_ = hbGlContext::create();
+      current_.emplace(*context_);
+    } catch (const hbError& error) {
+      why_ = error.what();
     }
   }
-  return list;
+  const hbGlContext* context() const { return current_ ? context_.get() : nullptr; }
+  const std::string& why() const { return why_; }
+
+private:
+  std::unique_ptr<hbGlContext> context_;
+  std::optional<hbGlCurrent> current_;
+  std::string why_;
+};
+
+hbHardCaseRun::hbHardCaseRun() : device_(std::make_unique<Device>()) {}
+hbHardCaseRun::~hbHardCaseRun() = default;
+
+void hbHardCaseRun::measure(const hbHardCase& one, hbHardCaseResults& results, hbProgress& progress) const {
+  const hbHardCase::Problem problem = one.make();
+  const auto measurement = hbHardCaseMeasurement::of(problem);
+  const hbHardCaseMeasurement::Amplification terms = measurement->amplification();
+  results.coefficients = hb::amplification(problem.grid.indexSet());
+  results.range = measurement->range();
+  results.hierarchicalTerms = terms.hierarchical;
+  results.combinationTerms = terms.combination;
+  for (const hbHardCaseWay& way : hbHardCaseWay::all()) {
+    results.results.push_back(tried(*measurement, way, device_->context(), device_->why()));
+    progress.advance(1);
+  }
+}
+
+hbHardCaseResults hbHardCaseRun::of(const hbHardCase& one, hbProgress& progress) const {
+  hbHardCaseResults results;
+  results.name = one.name;
+  results.why = one.why;
+  try {
+    measure(one, results, progress);
+  } catch (const hbCancelled&) {
+    throw;
+  } catch (const std::exception& error) {
+    for (const hbHardCaseWay& way : hbHardCaseWay::all())
+      results.results.push_back(failure(way, Status::failed, error.what()));
+    progress.advance(std::int64_t(results.results.size()));
+  }
+  return results;
 }

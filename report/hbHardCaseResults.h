@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -59,8 +60,24 @@ namespace hb {
 hbHardCaseResult measureHardCase(const hbHardCase::Problem& problem, const hbHardCaseWay& way,
                                  const hbGlContext* context);
 
-/// All cases by all ways, in a minute or so; an engine that throws is a result. OpenGL is OSMesa or EGL, whichever
-/// there is, or refused. Throws hbCancelled.
-std::vector<hbHardCaseResults> runHardCases(hbProgress& progress = hbProgress::none());
-
 } // namespace hb
+
+/// Cases by all ways. OpenGL is OSMesa or EGL, whichever there is, or refused; its context is current in this thread as
+/// long as this lives.
+class hbHardCaseRun {
+public:
+  hbHardCaseRun();
+  ~hbHardCaseRun();
+  hbHardCaseRun(const hbHardCaseRun&) = delete;
+  hbHardCaseRun& operator=(const hbHardCaseRun&) = delete;
+
+  /// One case, in a second or so. A way that throws is a result; where the case cannot be made, all of them failed.
+  /// Advances `progress` by one a way. Throws hbCancelled.
+  hbHardCaseResults of(const hbHardCase& one, hbProgress& progress = hbProgress::none()) const;
+
+private:
+  class Device;
+  void measure(const hbHardCase& one, hbHardCaseResults& results, hbProgress& progress) const;
+
+  std::unique_ptr<Device> device_;
+};

@@ -6,7 +6,8 @@ namespace {
 
 std::string cellOf(const hbHardCaseResult& result, double range) {
   if (result.status != hbHardCaseResult::Status::done) return "-";
-  const std::string text = fmt::format("{:.0e} / {:.0e}", result.error / range, result.bound / range);
+  const std::string bound = result.saysNothing ? "no statement" : fmt::format("{:.0e}", result.bound / range);
+  const std::string text = fmt::format("{:.0e} / {}", result.error / range, bound);
   return result.stable ? "**" + text + "**" : text;
 }
 

@@ -1,11 +1,15 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "report/hbComparisonFolder.h"
 #include "report/hbExternalProgram.h"
 #include "scene/hbPictureFile.h"
 #include "tests/apps/hbAppTest.h"
@@ -136,18 +140,36 @@ TEST_F(compare, MeasuresHardCasesWhereAsked) {
   const hbProgramRun found = run(arguments({"--modes", "mip", "--hard-cases"}));
   EXPECT_RUNS(found);
   const auto report = json("out/report.json");
-  std::size_t done = 0;
+  std::size_t done = 0, within = 0;
   for (const auto& one : report["hard_cases"]["cases"])
     for (const auto& result : one["results"]) {
       if (result["status"] != "done") continue;
       ++done;
-      EXPECT_TRUE(result["within_bound"]) << one["name"] << result;
+      within += result["within_bound"] ? 1 : 0;
+      EXPECT_FALSE(result["exceeds_bound"]) << one["name"] << result;
+      EXPECT_NE(result["within_bound"], result["says_nothing"]) << one["name"] << result;
     }
-  EXPECT_GT(done, 100U);
-  EXPECT_NE(found.out.find(fmt::format("hard cases: {0} of {0} results are within their bounds", done)),
+  EXPECT_GT(within, 100U);
+  EXPECT_NE(found.out.find(fmt::format("hard cases: {} of {} results are within their bounds, 0 beyond; {} bounds make "
+                                       "no statement; ",
+                                       within, done, done - within)),
             std::string::npos)
       << found.out;
   EXPECT_EQ(faultsOfPage(), "");
+
+  // What failed is measured again, what did not is taken as it was kept.
+  for (const auto& [name, status] : {std::pair("spikes", "failed"), std::pair("level-1", "done")}) {
+    auto record = json(fmt::format("out/records/hard-{}.json", name));
+    record["why"] = "kept";
+    record["results"][0]["status"] = status;
+    hb::writeJson(record, path(fmt::format("out/records/hard-{}.json", name)));
+  }
+  EXPECT_RUNS(run(arguments({"--modes", "mip", "--hard-cases"})));
+  std::vector<std::string> kept;
+  const auto again = json("out/report.json");
+  for (const auto& one : again["hard_cases"]["cases"])
+    if (one["why"] == "kept") kept.push_back(one["name"]);
+  EXPECT_EQ(kept, std::vector<std::string>{"level-1"});
 }
 
 TEST_F(compare, TakesTheSceneOfAFile) {

@@ -207,19 +207,30 @@ std::vector<hbHardCaseResults> twoResults() {
 
 TEST(hbHardCases, CanBeCancelled) {
   Cancelling progress;
-  EXPECT_THROW(hb::runHardCases(progress), hbCancelled);
+  EXPECT_THROW(hbHardCaseRun().of(named("level-1"), progress), hbCancelled);
+}
+
+TEST(hbHardCases, OneThatCannotBeMadeIsAResult) {
+  const hbHardCase broken{"broken", "it is", []() -> hbHardCase::Problem { throw hbError("no grid"); }};
+  const hbHardCaseResults results = hbHardCaseRun().of(broken);
+  EXPECT_EQ(results.name, "broken");
+  ASSERT_EQ(results.results.size(), hbHardCaseWay::all().size());
+  for (const hbHardCaseResult& one : results.results) {
+    EXPECT_EQ(one.status, Status::failed);
+    EXPECT_EQ(one.note, "no grid");
+  }
+  EXPECT_EQ(results.mostStable(), nullptr);
 }
 
 TEST(hbHardCases, AsJson) {
-  const nlohmann::ordered_json json = hb::toJson(twoResults());
-  ASSERT_EQ(json["cases"].size(), 1U);
-  const nlohmann::ordered_json& one = json["cases"][0];
+  const nlohmann::ordered_json one = hb::toJson(twoResults().front());
   EXPECT_EQ(one["name"], "spikes");
   EXPECT_EQ(one["amplification"], 113.0);
   EXPECT_EQ(one["most_stable"], "direct");
   ASSERT_EQ(one["results"].size(), 4U);
   EXPECT_EQ(one["results"][1]["error"], 2e-8);
   EXPECT_EQ(one["results"][1]["within_bound"], true);
+  EXPECT_EQ(one["results"][1]["error_of_range"], 1e-8);
   EXPECT_EQ(one["results"][1]["says_nothing"], false);
   EXPECT_EQ(one["results"][2]["format"], "r8");
   EXPECT_EQ(one["results"][2]["within_bound"], false);
@@ -233,7 +244,8 @@ TEST(hbHardCases, AsJson) {
 
 TEST(hbHardCases, AsATable) {
   const std::string table = hb::hardCaseTable(twoResults());
-  EXPECT_NE(table.find("| spikes | 3, 55 | **0e+00 / 5e-08** | **1e-08 / 2e-06** | 5e-01 / 2e+00 | - | direct |\n"),
-            std::string::npos)
+  EXPECT_NE(
+      table.find("| spikes | 3, 55 | **0e+00 / 5e-08** | **1e-08 / 2e-06** | 5e-01 / no statement | - | direct |\n"),
+      std::string::npos)
       << table;
 }

@@ -131,6 +131,15 @@ TEST_F(hbComparisonPageTest, oneChoiceOnly) {
   EXPECT_EQ(page().find("Hard cases"), std::string::npos);
 }
 
+TEST_F(hbComparisonPageTest, hardCasesShowWhatIsBeyondItsBound) {
+  write(hb::test::report());
+  const std::string cell = "<td class=\"name\">";
+  for (const char* text : {"exceeded", "no statement"})
+    EXPECT_NE(page().find(cell + text + "</td>"), std::string::npos) << text;
+  for (const char* path : {"2/share", "2/error_of_range", "0/share"})
+    EXPECT_NE(page().find(std::string("data-json=\"/hard_cases/cases/0/results/") + path), std::string::npos) << path;
+}
+
 TEST_F(hbComparisonPageTest, whatIsNotKnownIsADash) {
   Json report = hb::test::smallReport();
   for (auto& [key, value] : report["cases"][1].items())
