@@ -259,14 +259,15 @@ TEST_F(hbComparisonRunTest, OtherProgramsTakePart) {
   script("hbvol_peer_vtk",
          "[ $1 = --version ] && { echo vtk 9.1.0; exit; }\n"
          "grep -q xray \"$2\" && { echo 'vtk: no X-ray' >&2; exit 3; }\n[ $3 = gpu ] && { echo broken >&2; exit 1; }\n"
-         "cp \"" +
+         "[ $5 = 3 ] || exit 1\ncp \"" +
              (folder_ / "gray.png").string() +
-             "\" \"$5\"\n"
-             "echo '{\"name\":\"vtk\",\"version\":\"9.1.0\",\"renderer\":\"one\",\"step\":0.5,\"seconds_first\":2,"
-             "\"seconds_frames\":[0.5,0.25]}'\n");
+             "\" \"$6\"\n"
+             "echo '{\"name\":\"vtk\",\"version\":\"9.1.0\",\"renderer\":\"one\",\"threads\":3,\"step\":0.5,"
+             "\"seconds_first\":2,\"seconds_frames\":[0.5,0.25]}'\n");
   const hbImage8 gray{12, 12, std::vector<std::uint8_t>(3 * 144, 100)};
   hb::writePng(gray, folder_ / "gray.png");
   what_.peerFolders = {{folder_.path()}};
+  what_.threads = 3;
 
   const Json report = run();
   EXPECT_EQ(report["peers"], (Json{{"zfp", "9.8.7"}, {"vtk", "9.1.0"}}));
