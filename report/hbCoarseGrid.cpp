@@ -28,6 +28,9 @@ std::vector<std::byte> pack(std::span<const std::byte> bytes) {
   return packed ? std::move(*packed) : std::vector<std::byte>(bytes.begin(), bytes.end());
 }
 
+/// Nodes along the longest axis: larger grids take too long to be tried one after the other.
+constexpr std::int64_t kMostTried = 128;
+
 } // namespace
 
 hbVolume hbCoarseGrid::sample(const hbField& source, std::int64_t longest, hbProgress& progress) {
@@ -74,6 +77,11 @@ hbCoarseGrid hbCoarseGrid::within(const hbField& source, std::uint64_t bytes, hb
       exceeds = next;
     }
     next = exceeds <= finest ? (fits + exceeds) / 2 : std::min(2 * fits, finest);
+  }
+  // Sizes whose nodes are samples pack far better than their neighbours, so that a finer one may fit again.
+  for (std::int64_t finer = std::min({2 * fits, finest, kMostTried}); finer > fits; --finer) {
+    hbCoarseGrid grid = take(source, finer, progress);
+    if (grid.packed.size() <= bytes) return grid;
   }
   return best;
 }

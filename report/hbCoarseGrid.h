@@ -22,7 +22,8 @@ struct hbCoarseGrid {
   static hbCoarseGrid take(const hbField& source, std::int64_t longest, hbProgress& progress = hbProgress::none());
 
   /// The finest one whose packed samples take no more than `bytes`, no finer than the source's own samples; where even
-  /// 2 nodes an axis exceed that, those. Tries about 2 log2(longest axis) grids.
+  /// 2 nodes an axis exceed that, those. Packed sizes do not grow evenly: of sizes beyond one that fits and a next one
+  /// that does not, those up to twice as fine (and 128 nodes) are tried.
   static hbCoarseGrid within(const hbField& source, std::uint64_t bytes, hbProgress& progress = hbProgress::none());
 
   /// The volume that `packed` holds: what reading it takes.

@@ -37,6 +37,20 @@ TEST(hbCoarseGrid, IsTheFinestOneThatFits) {
   }
 }
 
+TEST(hbCoarseGrid, TakesASizeThatPacksBetterThanASmallerOne) {
+  // Whole numbers at the samples and broken ones between them: nodes that are samples pack well.
+  hbGeometry geometry;
+  geometry.size = {61, 61, 61};
+  std::vector<float> samples(std::size_t(geometry.samples()));
+  std::uint32_t state = 1;
+  for (float& sample : samples) sample = float((state = state * 1664525U + 1013904223U) >> 31U);
+  const hbVolumeField field(hbVolume::fromSamples(geometry, std::move(samples)));
+  // Of 31 nodes, every other sample; 28 nodes lie between samples.
+  const std::uint64_t bytes = hbCoarseGrid::take(field, 31).packed.size();
+  ASSERT_GT(hbCoarseGrid::take(field, 28).packed.size(), bytes);
+  EXPECT_GE(hbCoarseGrid::within(field, bytes).volume.geometry().size.x, 31);
+}
+
 TEST(hbCoarseGrid, IsNoFinerThanTheSamplesAndNoCoarserThanTwoNodes) {
   const hbVolumeField field(volumeOf({6, 4, 5}, 3));
   EXPECT_EQ(hbCoarseGrid::within(field, std::uint64_t{1} << 40U).volume.geometry().size, hbSize3(6, 4, 5));
