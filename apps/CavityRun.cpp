@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "report/hbReportJson.h"
 #include "volume/hbError.h"
 #include "volume/hbRawFile.h"
 #include "volume/hbVolumeStream.h"
@@ -72,6 +73,6 @@ void app::runCavity(const hbCavitySpecification& specification, std::int64_t nod
                      {"files", files},
                      {"steps", flow.steps()},
                      {"time", flow.time()},
-                     {"residual", finiteOrNull(flow.residual())},
+                     {"residual", hb::finiteOrNull(flow.residual())},
                      {"steady", steady}});
 }

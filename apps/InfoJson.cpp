@@ -1,6 +1,7 @@
 #include "apps/InfoJson.h"
 
 #include "apps/Program.h"
+#include "report/hbReportJson.h"
 
 using Json = nlohmann::ordered_json;
 
@@ -30,15 +31,15 @@ Json app::histogramJson(const hbHistogram& h) {
   return {{"count", h.count},
           {"nans", h.nans},
           {"infinities", h.infinities},
-          {"min", app::finiteOrNull(h.min)},
-          {"max", app::finiteOrNull(h.max)},
-          {"mean", app::finiteOrNull(h.mean)},
-          {"deviation", app::finiteOrNull(h.deviation)},
-          {"otsu_threshold", app::finiteOrNull(h.otsuThreshold())},
+          {"min", hb::finiteOrNull(h.min)},
+          {"max", hb::finiteOrNull(h.max)},
+          {"mean", hb::finiteOrNull(h.mean)},
+          {"deviation", hb::finiteOrNull(h.deviation)},
+          {"otsu_threshold", hb::finiteOrNull(h.otsuThreshold())},
           {"percentiles",
-           {{"1", app::finiteOrNull(h.percentile(0.01))},
-            {"50", app::finiteOrNull(h.percentile(0.5))},
-            {"99", app::finiteOrNull(h.percentile(0.99))}}},
+           {{"1", hb::finiteOrNull(h.percentile(0.01))},
+            {"50", hb::finiteOrNull(h.percentile(0.5))},
+            {"99", hb::finiteOrNull(h.percentile(0.99))}}},
           {"bins", h.bins}};
 }
 
@@ -49,16 +50,16 @@ void app::addSparseGrid(Json& info, const hbSparseGridFile& file) {
   info["component_names"] = file.info.componentNames;
   if (file.range)
     for (const auto& c : file.range->components)
-      info["source_range"].push_back({finiteOrNull(c.lo), finiteOrNull(c.hi)});
+      info["source_range"].push_back({hb::finiteOrNull(c.lo), hb::finiteOrNull(c.hi)});
   constexpr const char* kReferences[] = {"all samples", "random samples", "random points of the analytic field"};
   if (file.error)
     for (const auto& c : file.error->components)
       info["errors"].push_back({{"against", kReferences[std::size_t(c.reference)]},
                                 {"kind", c.kind == hbErrorRecord::Kind::measured ? "measured" : "guaranteed"},
                                 {"points", c.points},
-                                {"max", finiteOrNull(c.max)},
-                                {"rmse", finiteOrNull(c.rmse)},
-                                {"psnr", finiteOrNull(c.psnr)}});
+                                {"max", hb::finiteOrNull(c.max)},
+                                {"rmse", hb::finiteOrNull(c.rmse)},
+                                {"psnr", hb::finiteOrNull(c.psnr)}});
   // Any file may be asked about, and whoever prints the document recurses.
   constexpr int kMaxDepth = 32;
   info["provenance"] =

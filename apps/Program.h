@@ -81,9 +81,6 @@ std::string extension(const std::string& name);
 /// "12.3 MB": powers of 1024.
 std::string bytesText(double bytes);
 
-/// JSON has no infinity and no NaN: they become null.
-nlohmann::ordered_json finiteOrNull(double value);
-
 /// The progress bar on stderr when it is a terminal, otherwise one that shows nothing; Ctrl-C cancels it.
 hbProgress& progress();
 

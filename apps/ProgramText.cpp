@@ -90,8 +90,4 @@ std::string bytesText(double bytes) {
                                  kUnits[unit]);
 }
 
-nlohmann::ordered_json finiteOrNull(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-}
-
 } // namespace app

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/Program.h"
+#include "report/hbReportJson.h"
 #include "report/hbSparseCompression.h"
 #include "sparsegrid/hbComponentFiles.h"
 #include "volume/hbError.h"
@@ -57,9 +58,9 @@ Json statistics(const hbSparseGridFile& file, std::uint64_t inputBytes, std::uin
   const auto& all = file.error->components;
   const auto worst =
       std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.psnr < b.psnr; });
-  stats["psnr"] = app::finiteOrNull(worst->psnr);
-  stats["rmse"] = app::finiteOrNull(worst->rmse);
-  stats["max_error"] = app::finiteOrNull(worst->max);
+  stats["psnr"] = hb::finiteOrNull(worst->psnr);
+  stats["rmse"] = hb::finiteOrNull(worst->rmse);
+  stats["max_error"] = hb::finiteOrNull(worst->max);
   return stats;
 }
 

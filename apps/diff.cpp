@@ -14,6 +14,7 @@
 #include "apps/Program.h"
 #include "report/hbFieldDifference.h"
 #include "report/hbPictureDifference.h"
+#include "report/hbReportJson.h"
 #include "report/hbValueDifference.h"
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
@@ -35,8 +36,6 @@ struct Options {
 
 bool isPicture(const std::string& name) { return app::extension(name) == ".exr" || app::extension(name) == ".png"; }
 
-Json optionalJson(const std::optional<double>& value) { return value ? app::finiteOrNull(*value) : Json(); }
-
 /// A, B and their difference in one picture, floats through A's window.
 void writeSideBySide(const Options& options) {
   const auto a = hb::readPicture(options.a.name), b = hb::readPicture(options.b);
@@ -54,8 +53,12 @@ void writeSideBySide(const Options& options) {
 
 Json pictures(const Options& options) {
   const hbPictureDifference d = hb::pictureFileDifference(options.a.name, options.b);
-  return {{"kind", "pictures"},           {"max", app::finiteOrNull(d.max)}, {"rmse", app::finiteOrNull(d.rmse)},
-          {"psnr", optionalJson(d.psnr)}, {"ssim", optionalJson(d.ssim)},    {"luv_mean", d.luvMean},
+  return {{"kind", "pictures"},
+          {"max", hb::finiteOrNull(d.max)},
+          {"rmse", hb::finiteOrNull(d.rmse)},
+          {"psnr", hb::numberOrNull(d.psnr)},
+          {"ssim", hb::numberOrNull(d.ssim)},
+          {"luv_mean", d.luvMean},
           {"luv_max", d.luvMax}};
 }
 
@@ -80,9 +83,9 @@ Json volumes(const Options& options, const app::CommonOptions& common) {
     against = "random points";
   }
   return {{"kind", "volumes"},
-          {"max", app::finiteOrNull(errors.max)},
-          {"rmse", app::finiteOrNull(errors.rmse())},
-          {"psnr", optionalJson(errors.psnr())},
+          {"max", hb::finiteOrNull(errors.max)},
+          {"rmse", hb::finiteOrNull(errors.rmse())},
+          {"psnr", hb::numberOrNull(errors.psnr())},
           {"ssim", nullptr},
           {"luv_mean", nullptr},
           {"luv_max", nullptr},

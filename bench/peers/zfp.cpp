@@ -16,6 +16,7 @@
 
 #include "bench/peers/peer.h"
 #include "report/hbErrorStatistics.h"
+#include "report/hbMedian.h"
 #include "volume/hbVolumeReader.h"
 #include "volume/hbVolumeWriter.h"
 
@@ -209,11 +210,6 @@ Setting best(Codec& codec, std::size_t most) {
   return *chosen;
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 nlohmann::ordered_json work(char** arguments) {
   const std::string in = arguments[0], out = arguments[2];
   const std::size_t most = peer::wholeNumber(arguments[1], "BYTES", 1, std::uint64_t(1) << 60);
@@ -237,8 +233,8 @@ nlohmann::ordered_json work(char** arguments) {
           {"parameter", codec.parameter(setting)},
           {"rmse", error},
           {"threads", 1},
-          {"seconds_compress", median(compressing)},
-          {"seconds_decompress", median(decompressing)}};
+          {"seconds_compress", hb::median(compressing)},
+          {"seconds_decompress", hb::median(decompressing)}};
 }
 
 } // namespace
