@@ -3,11 +3,12 @@
 # Installs the build tree BUILD below WORK and uses the installed package from a project of its own.
 
 # A library needs none of those before it.
-set(libraries report glcombine raycast scene sparsegrid volume)
-set(needs_report glcombine raycast scene sparsegrid volume)
+set(libraries report glcombine raycast scene fitting sparsegrid volume)
+set(needs_report glcombine raycast scene fitting sparsegrid volume)
 set(needs_glcombine raycast scene sparsegrid volume)
 set(needs_raycast scene sparsegrid volume)
 set(needs_scene volume)
+set(needs_fitting sparsegrid volume)
 set(needs_sparsegrid volume)
 set(needs_volume "")
 set(prints_volume 3.5)
