@@ -10,21 +10,6 @@
 
 namespace {
 
-std::vector<hbLineGroup> lineGroups(const hbIndexSet& set, int axis) {
-  std::vector<hbLineGroup> groups;
-  for (const hbSubspace& first : set.subspaces()) {
-    if (first.levels[axis] != 0) continue;
-    hbLineGroup group;
-    group.finest = -1;
-    for (glm::ivec3 l = first.levels; set.contains(l); ++l[axis])
-      group.offset[std::size_t(++group.finest)] = set.subspace(l).offset;
-    for (int d = 0; d < axis; ++d) group.inner *= first.nodes[d];
-    for (int d = axis + 1; d < 3; ++d) group.outer *= first.nodes[d];
-    if (group.finest > 0) groups.push_back(group);
-  }
-  return groups;
-}
-
 /// The lines of all groups, cut into parts of a few thousand nodes.
 std::vector<hb::LinePart> partsOf(const std::vector<hbLineGroup>& groups) {
   constexpr std::int64_t kNodes = 8192, kFewestInner = 16;
@@ -44,8 +29,7 @@ std::vector<hb::LinePart> partsOf(const std::vector<hbLineGroup>& groups) {
 
 void transform(const hbIndexSet& set, hb::LineTransform transform, double* values, const hbProgress& progress) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (set.flat()[axis]) continue;
-    const std::vector<hbLineGroup> groups = lineGroups(set, axis);
+    const std::vector<hbLineGroup> groups = hb::lineGroups(set, axis);
     const std::vector<hb::LinePart> parts = partsOf(groups);
     hb::parallelFor(std::int64_t(parts.size()), [&](std::int64_t p) {
       if (progress.cancelled()) throw hbCancelled();
