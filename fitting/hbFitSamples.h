@@ -35,6 +35,8 @@ public:
 
   /// Of the sample with that place among all of them, x fastest.
   static bool isHeldOut(std::int64_t sample);
+  /// Whether it is one of an irregular choice of one in so many, whether held out or not.
+  static bool isOneIn(std::int64_t many, std::int64_t sample);
 
 private:
   const hbField& source_;

@@ -1,0 +1,120 @@
+#include "fitting/hbFit.h"
+
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "fitting/hbConjugateGradientSolver.h"
+#include "fitting/hbFitErrors.h"
+#include "fitting/hbFitSamples.h"
+#include "fitting/hbLeastSquaresFit.h"
+#include "fitting/hbSampleOperator.h"
+#include "volume/hbError.h"
+
+namespace {
+
+using Surpluses = std::vector<double>;
+
+/// Rounded as they are stored.
+Surpluses rounded(const Surpluses& surpluses) {
+  const std::vector<float> stored(surpluses.begin(), surpluses.end());
+  return {stored.begin(), stored.end()};
+}
+
+/// From field values to data values.
+void toData(hbFitReport& report, double scale) {
+  report.loss.threshold *= scale;
+  for (hbFitReport::Errors* errors :
+       {&report.fitted, &report.heldOutErrors, &report.interpolationFitted, &report.interpolationHeldOutErrors}) {
+    errors->rmse *= scale;
+    errors->cost *= scale * scale;
+  }
+}
+
+/// Fits one component.
+class ComponentFit {
+public:
+  ComponentFit(const hbFit& how, const hbField& source, const hbSparseGrid& grid, int component, hbProgress& progress)
+      : how_(how), set_(grid.indexSet()), samples_(source, grid, component),
+        values_(set_, {samples_.coordinates(0), samples_.coordinates(1), samples_.coordinates(2)}),
+        interpolation_(grid.surpluses(component).begin(), grid.surpluses(component).end()),
+        scale_(grid.valueMap().scale), progress_(progress) {}
+
+  /// The surpluses, those of interpolation where the fit is no better.
+  std::pair<Surpluses, hbFitReport> run() {
+    const auto start = std::chrono::steady_clock::now();
+    report_.samples = samples_.fittedCount();
+    report_.heldOut = samples_.heldOutCount();
+    Surpluses fitted = rounded(leastSquares());
+    if (report_.interrupted && !how_.keepBest) throw hbCancelled();
+    const hbFitErrors errors = errorsOf(fitted), interpolated = errorsOf(interpolation_);
+    report_.fitted = errors.fitted;
+    report_.heldOutErrors = errors.heldOut;
+    report_.interpolationFitted = interpolated.fitted;
+    report_.interpolationHeldOutErrors = interpolated.heldOut;
+    report_.improved = errors.heldOut.cost < interpolated.heldOut.cost;
+    toData(report_, scale_);
+    report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return {report_.improved ? std::move(fitted) : std::move(interpolation_), report_};
+  }
+
+private:
+  hbFitErrors errorsOf(const Surpluses& surpluses) const {
+    return hbFitErrors::of(samples_, values_, surpluses, report_.loss);
+  }
+
+  Surpluses leastSquares() {
+    hbLeastSquaresFit fit{how_.loss, {}, how_.smoothing};
+    if (how_.threshold) fit.threshold = *how_.threshold / scale_;
+    const hbConjugateGradientSolver solver(samples_, set_);
+    hbLeastSquaresFit::Result result = fit.run(
+        samples_, set_, values_, interpolation_,
+        [&](const hbLeastSquares& problem, std::span<const double> start, double tolerance, hbProgress& progress) {
+          return solver.solve(problem, start, {tolerance}, progress);
+        },
+        progress_);
+    report_.method = "least-squares";
+    report_.solver = "conjugate-gradient";
+    report_.loss = result.loss;
+    report_.smoothing = result.smoothing;
+    report_.unknowns = set_.storedValues();
+    report_.iterations = result.solution.iterations;
+    report_.rounds = result.solution.rounds;
+    report_.converged = result.solution.converged;
+    report_.interrupted = result.solution.interrupted;
+    report_.condition = result.solution.condition;
+    return std::move(result.solution.surpluses);
+  }
+
+  const hbFit& how_;
+  const hbIndexSet& set_;
+  hbFitSamples samples_;
+  hbSampleOperator values_;
+  Surpluses interpolation_;
+  double scale_;
+  hbProgress& progress_;
+  hbFitReport report_;
+};
+
+} // namespace
+
+double hbFit::bytes(const hbIndexSet& set, const hbSize3& samples) const {
+  return 3.0 * 8.0 * double(set.storedValues()) + hbConjugateGradientSolver::bytes(set, samples, loss);
+}
+
+hbFit::Result hbFit::run(const hbField& source, const hbSparseGrid& interpolated, hbProgress& progress) const {
+  const double need = bytes(interpolated.indexSet(), interpolated.geometry().size);
+  if (need > double(memoryLimit))
+    throw hbError(fmt::format("fit: needs about {:.3g} MB, more than the memory limit of {:.3g} MB", need / 0x1p20,
+                              double(memoryLimit) / 0x1p20));
+  std::vector<hbFitReport> reports;
+  std::vector<std::vector<float>> surpluses;
+  for (int c = 0; c < interpolated.components(); ++c) {
+    const auto [fitted, report] = ComponentFit(*this, source, interpolated, c, progress).run();
+    surpluses.emplace_back(fitted.begin(), fitted.end());
+    reports.push_back(report);
+  }
+  return {hbSparseGrid::fromSurpluses(interpolated.frame(), interpolated.indexSet(), std::move(surpluses)),
+          std::move(reports)};
+}

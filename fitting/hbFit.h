@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "fitting/hbFitLoss.h"
+#include "fitting/hbFitReport.h"
+#include "sparsegrid/hbSparseGrid.h"
+#include "volume/hbField.h"
+#include "volume/hbProgress.h"
+
+/// Fits a sparse grid to all samples of a field, where interpolation looks at those at its nodes only.
+struct hbFit {
+  enum class Method : std::uint8_t { opticom, leastSquares };
+  enum class Solver : std::uint8_t { automatic, ceres, conjugateGradient };
+
+  Method method = Method::leastSquares;
+  hbFitLoss::Kind loss = hbFitLoss::Kind::none;
+  std::optional<double> threshold;   ///< Of a robust loss, in data values, > 0; none: from the residuals.
+  std::optional<double> smoothing;   ///< Of least squares, >= 0, see hbLeastSquares; none: by the samples held out.
+  Solver solver = Solver::automatic; ///< Of least squares.
+  std::uint64_t memoryLimit = std::numeric_limits<std::uint64_t>::max(); ///< Bytes.
+  bool keepBest = false; ///< Cancelled, hand back the best so far instead of throwing.
+
+  struct Result {
+    hbSparseGrid grid;
+    std::vector<hbFitReport> reports; ///< One a component.
+  };
+
+  /// Each component by itself. `interpolated` interpolates `source` on the index set that is wanted; a component whose
+  /// fit costs no less on the samples held out keeps it. Throws hbError where samples are not finite, too few, or do
+  /// not determine a fit without smoothing, and where the memory does not suffice; hbCancelled.
+  Result run(const hbField& source, const hbSparseGrid& interpolated, hbProgress& progress = hbProgress::none()) const;
+
+  /// What run() takes at its peak beside the interpolating grid, in bytes.
+  double bytes(const hbIndexSet& set, const hbSize3& samples) const;
+};
