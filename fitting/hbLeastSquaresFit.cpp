@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,11 +16,11 @@ constexpr double kTolerance = 1e-3;
 constexpr double kRoughly = 1e-1, kNearly = 1e-2;
 
 /// A smoothing that changes nothing but what samples leave open: on the finest subspaces, where smoothing weighs 4^|l|
-/// times as much as the residual, it takes 4^-10 of an amplitude.
+/// times as much as the residual, it takes 4^-8 of an amplitude.
 double leastSmoothing(const hbIndexSet& set) {
   int finest = 0;
   for (const hbSubspace& s : set.subspaces()) finest = std::max(finest, s.levels.x + s.levels.y + s.levels.z);
-  return std::ldexp(1.0, -2 * (finest + 10));
+  return std::ldexp(1.0, -2 * (finest + 8));
 }
 
 /// Where more than half of the residuals are 0 their median says nothing.
@@ -57,25 +58,25 @@ public:
   }
 
   void findSmoothing() {
-    constexpr double kStep = 16.0;
-    fit(kNearly);
-    double cost = errors().heldOut.cost;
-    while (!interrupted()) {
-      const Result best = result_;
-      result_.smoothing *= kStep;
+    constexpr double kStep = 16.0, kMost = 1.0;
+    // Below what matters costs are alike but for the solver's tolerance: only a clear rise ends the search.
+    constexpr double kRise = 1.02;
+    Result best;
+    double least = std::numeric_limits<double>::infinity();
+    while (true) {
       fit(kNearly);
-      const double next = errors().heldOut.cost;
-      if (interrupted() || !(next < cost)) {
-        const auto [iterations, rounds] = std::pair(result_.solution.iterations, result_.solution.rounds);
-        const bool stopped = interrupted();
-        result_ = best;
-        result_.solution.iterations = iterations;
-        result_.solution.rounds = rounds;
-        result_.solution.interrupted = stopped;
-        break;
+      const double cost = errors().heldOut.cost;
+      if (cost < least) {
+        least = cost;
+        best = result_;
       }
-      cost = next;
+      if (interrupted() || !(cost <= kRise * least) || result_.smoothing >= kMost) break;
+      result_.smoothing *= kStep;
     }
+    best.solution.iterations = result_.solution.iterations;
+    best.solution.rounds = result_.solution.rounds;
+    best.solution.interrupted = interrupted();
+    result_ = std::move(best);
   }
 
 private:
