@@ -9,9 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/FieldWriter.h"
-#include "volume/hbMemoryMonitor.h"
 #include "apps/Program.h"
 #include "volume/hbError.h"
+#include "volume/hbMemoryMonitor.h"
+#include "volume/hbOutlierField.h"
 
 namespace {
 
@@ -19,6 +20,7 @@ struct Options {
   app::InputOptions input;
   std::string out, box, size;
   std::optional<int> lod;
+  double outliers = 0.0; ///< The share of samples to spoil.
 };
 
 /// What the options ask for, read and checked as far as that goes without the input.
@@ -46,7 +48,8 @@ void run(const Options& options, const Selection& selection, const app::CommonOp
   hbMemoryMonitor memory;
   const auto start = std::chrono::steady_clock::now();
   // Lattices come from a sparse grid as it is: another form would only take memory.
-  const auto field = options.input.field(input, input.sparse ? "direct" : "full", common);
+  auto field = options.input.field(input, input.sparse ? "direct" : "full", common);
+  if (options.outliers > 0.0) field = std::make_shared<hbOutlierField>(field, options.outliers);
   const std::uint64_t bytes = app::writeField(*field, lattice, options.out, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const hbSize3 size = lattice.size();
@@ -57,6 +60,7 @@ void run(const Options& options, const Selection& selection, const app::CommonOp
                                {"memory_growth_bytes", memory.growth()}};
   if (selection.box) stats["box"] = options.box;
   if (selection.lod) stats["lod"] = *selection.lod;
+  if (options.outliers > 0.0) stats["outliers"] = options.outliers;
   common.writeStats(stats);
 }
 
@@ -92,5 +96,11 @@ void addExtract(CLI::App& program, const app::CommonOptions& common, app::Work& 
       ->check(CLI::Range(0, hbSubLattice::kMaxLod))
       ->type_name("K")
       ->excludes(size);
+  command
+      ->add_option("--outliers", options->outliers,
+                   "Spoil that share of the samples with values uniform over their range, to test what becomes of bad "
+                   "data; the same ones every time")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("SHARE");
   command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

@@ -7,19 +7,8 @@
 #include <fmt/format.h>
 
 #include "volume/hbError.h"
+#include "volume/hbMixedBits.h"
 #include "volume/hbParallel.h"
-
-namespace {
-
-/// The finaliser of SplitMix64: neighbours get independent numbers.
-std::uint64_t bitsOf(std::int64_t sample) {
-  std::uint64_t bits = std::uint64_t(sample) + 0x9E3779B97F4A7C15U;
-  bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9U;
-  bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBU;
-  return bits ^ (bits >> 31);
-}
-
-} // namespace
 
 hbFitSamples::hbFitSamples(const hbField& source, const hbSparseGrid& grid, int component)
     : source_(source), component_(component), size_(grid.geometry().size) {
@@ -55,8 +44,10 @@ void hbFitSamples::plane(std::int64_t z, std::span<float> out) const {
                                 std::int64_t(i) % size_.x, std::int64_t(i) / size_.x, z));
 }
 
-bool hbFitSamples::isHeldOut(std::int64_t sample) { return bitsOf(sample) % std::uint64_t(kHeldOutOne) == 0; }
+bool hbFitSamples::isHeldOut(std::int64_t sample) {
+  return hb::mixedBits(std::uint64_t(sample)) % std::uint64_t(kHeldOutOne) == 0;
+}
 
 bool hbFitSamples::isOneIn(std::int64_t many, std::int64_t sample) {
-  return (bitsOf(sample) / std::uint64_t(kHeldOutOne)) % std::uint64_t(many) == 0;
+  return (hb::mixedBits(std::uint64_t(sample)) / std::uint64_t(kHeldOutOne)) % std::uint64_t(many) == 0;
 }

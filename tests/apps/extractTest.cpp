@@ -58,6 +58,19 @@ TEST_F(extract, KeepsTheBoxAtAnotherSize) {
   }
 }
 
+TEST_F(extract, SpoilsSamplesWhereAsked) {
+  writeVolume<float>("v.nrrd", {20, 20, 20}, 1,
+                     [](auto x, auto y, auto z, int) { return double(x + 20 * y + 400 * z); });
+  EXPECT_RUNS(run({"extract", "v.nrrd", "e.nrrd", "--outliers", "0.1", "--stats", "s.json"}));
+  EXPECT_EQ(json("s.json")["outliers"], 0.1);
+  const hbVolume before = hb::readVolume(folder_ / "v.nrrd"), after = hb::readVolume(folder_ / "e.nrrd");
+  double spoiled = 0.0;
+  for (int z = 0; z < 20; ++z)
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 20; ++x) spoiled += after.value(x, y, z) != before.value(x, y, z) ? 1.0 : 0.0;
+  EXPECT_NEAR(spoiled / 8000.0, 0.1, 5.0 * std::sqrt(0.1 * 0.9 / 8000.0));
+}
+
 TEST_F(extract, WritesWhatTheFieldIsInMemory) {
   // One component and several, a flat axis, values that need a map.
   writeVolume<float>("one.nrrd", {33, 20, 17}, 1,
@@ -224,6 +237,7 @@ TEST_F(extract, RefusesBadInputAndSizes) {
                          "v.nrrd: --box: expected first:last from 0:0 to 2:2 along y, found 0:3");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--box", "0:1,0:1,1:1", "--size", "5"}, 1,
                          "v.nrrd: --size: expected 1 along z, where the box has one sample, found 5");
+  expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--outliers", "1.5"}, 2, "--outliers");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "16"}, 2, "--lod");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "-1"}, 2, "--lod");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "1", "--size", "5"}, 2, "--lod");
