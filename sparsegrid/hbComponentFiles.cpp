@@ -97,14 +97,7 @@ hbIndexSet enclosedBy(const Files& files, const glm::bvec3& flat, const std::str
     for (const glm::ivec3& grid : grids)
       if (finest[d] > 0 && grid[d] == 0)
         throw hbError(fmt::format("{}: expected levels from 1 along {}, found 0 beside {}", what, "xyz"[d], finest[d]));
-  std::vector<glm::ivec3> levels;
-  for (int z = 0; z <= finest.z; ++z)
-    for (int y = 0; y <= finest.y; ++y)
-      for (int x = 0; x <= finest.x; ++x)
-        if (std::any_of(grids.begin(), grids.end(),
-                        [&](const glm::ivec3& g) { return x <= g.x && y <= g.y && z <= g.z; }))
-          levels.emplace_back(x, y, z);
-  return hbIndexSet::fromList(levels, flat, what);
+  return hbIndexSet::enclosing(grids, flat, what);
 }
 
 std::vector<double> samplesOf(const hbVolume& volume, int component, const fs::path& path) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "volume/hbError.h"
 
@@ -26,6 +27,11 @@ std::vector<glm::ivec3> collect(const glm::ivec3& maxLevel, Keep keep) {
       for (int x = 0; x <= maxLevel.x; ++x)
         if (keep(glm::ivec3(x, y, z))) levels.emplace_back(x, y, z);
   return levels;
+}
+
+void checkLevel(int n) {
+  if (n < 1 || n > hbIndexSet::kMaxLevel)
+    throw hbError(fmt::format("level: expected 1 to {}, found {}", hbIndexSet::kMaxLevel, n));
 }
 
 int resolvingLevel(std::int64_t size) {
@@ -67,9 +73,23 @@ hbIndexSet::Axes hbIndexSet::uncappedAxesOf(const hbSize3& size) {
 }
 
 hbIndexSet hbIndexSet::regular(int n, const Axes& axes) {
-  if (n < 1 || n > kMaxLevel) throw hbError(fmt::format("level: expected 1 to {}, found {}", kMaxLevel, n));
+  checkLevel(n);
   const glm::ivec3 bound = glm::min(axes.maxLevel, glm::ivec3(n));
   return {collect(bound, [n](const glm::ivec3& l) { return levelNumber(l) <= n; }), axes.flat};
+}
+
+hbIndexSet hbIndexSet::anisotropic(const glm::ivec3& levels, const Axes& axes) {
+  for (int d = 0; d < 3; ++d) checkLevel(levels[d]);
+  // Levels above 1, in units in which each axis may have `limit` of them: whole numbers throughout. Where an axis has
+  // none, it stays within its bound and counts for nothing.
+  const glm::ivec3 most = glm::max(levels - 1, 1);
+  const int limit = most.x * most.y * most.z;
+  return {collect(glm::min(axes.maxLevel, levels),
+                  [&](const glm::ivec3& l) {
+                    const glm::ivec3 fine = glm::max(l, 1) - 1;
+                    return fine.x * (limit / most.x) + fine.y * (limit / most.y) + fine.z * (limit / most.z) <= limit;
+                  }),
+          axes.flat};
 }
 
 hbIndexSet hbIndexSet::full(const Axes& axes) {
@@ -96,6 +116,20 @@ hbIndexSet hbIndexSet::fromList(const std::vector<glm::ivec3>& levels, const glm
             fmt::format("{}: expected ({},{},{}) beside ({},{},{})", what, other.x, other.y, other.z, l.x, l.y, l.z));
     }
   return set;
+}
+
+hbIndexSet hbIndexSet::enclosing(const std::vector<glm::ivec3>& indices, const glm::bvec3& flat,
+                                 const std::string& what) {
+  glm::ivec3 finest(-1);
+  for (const glm::ivec3& index : indices) finest = glm::max(finest, index);
+  // One level beyond the last is enough for fromList() to say which one is too fine.
+  return fromList(collect(glm::min(finest, glm::ivec3(kMaxLevel + 1)),
+                          [&](const glm::ivec3& l) {
+                            return std::any_of(indices.begin(), indices.end(), [&](const glm::ivec3& index) {
+                              return glm::all(glm::lessThanEqual(l, index));
+                            });
+                          }),
+                  flat, what);
 }
 
 hbIndexSet::hbIndexSet(const std::vector<glm::ivec3>& levels, const glm::bvec3& flat, const std::string& what)

@@ -34,11 +34,19 @@ public:
 
   /// The regular set of level n: sum over the axes of max(l,1) <= n + 2, within `axes`. n from 1 to kMaxLevel.
   static hbIndexSet regular(int n, const Axes& axes);
+  /// The anisotropic sparse set, whose axes end at levels of their own: sum over the axes of
+  /// (max(l,1) - 1) / (levels - 1) <= 1, within `axes`. An axis of level 1 has only levels 0 and 1, three nodes; coarse
+  /// axes have level 0 whatever is given for them. Equal levels give the regular set. Each from 1 to kMaxLevel.
+  static hbIndexSet anisotropic(const glm::ivec3& levels, const Axes& axes);
   /// Every index within `axes`: a full grid.
   static hbIndexSet full(const Axes& axes);
   /// From a list of all subspaces, level 0 included, in any order. Throws hbError naming `what` where it is not closed,
   /// holds an index twice, or exceeds kMaxLevel.
   static hbIndexSet fromList(const std::vector<glm::ivec3>& levels, const glm::bvec3& flat, const std::string& what);
+
+  /// Every index that has no greater levels than one of the list, on each axis. Throws hbError as fromList() does:
+  /// where the list is empty, exceeds kMaxLevel, or ends at level 0 of an axis that others refine.
+  static hbIndexSet enclosing(const std::vector<glm::ivec3>& indices, const glm::bvec3& flat, const std::string& what);
 
   /// All subspaces, ordered by level, then lz, ly, lx; their arrays follow each other in this order.
   const std::vector<hbSubspace>& subspaces() const { return subspaces_; }

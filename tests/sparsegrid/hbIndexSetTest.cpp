@@ -1,5 +1,6 @@
 #include "sparsegrid/hbIndexSet.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 
@@ -43,6 +44,54 @@ TEST(hbIndexSet, RegularCoefficientsAreOneMinusTwoOne) {
   EXPECT_EQ(magnitude, 221);
 }
 
+TEST(hbIndexSet, AnisotropicSetsEndAtTheLevelOfEachAxis) {
+  // (lx-1)/4 + (ly-1)/2 <= 1, and z at its first level: worked out by hand.
+  const hbIndexSet set = hbIndexSet::anisotropic({5, 3, 1}, {});
+  EXPECT_EQ(set.finest(), glm::ivec3(5, 3, 1));
+  constexpr int kMostX[] = {5, 5, 3, 1}; // beside ly = 0 to 3
+  for (int x = 0; x <= 6; ++x)
+    for (int y = 0; y <= 4; ++y)
+      for (int z = 0; z <= 2; ++z)
+        EXPECT_EQ(set.contains({x, y, z}), y <= 3 && x <= kMostX[std::min(y, 3)] && z <= 1)
+            << x << " " << y << " " << z;
+  // 1/3 + 2/3 and 3/19 + 16/19 are 1, which rounded sums need not be.
+  EXPECT_TRUE(hbIndexSet::anisotropic({4, 4, 4}, {}).contains({2, 3, 1}));
+  EXPECT_TRUE(hbIndexSet::anisotropic({20, 20, 1}, {}).contains({4, 17, 0}));
+  EXPECT_FALSE(hbIndexSet::anisotropic({20, 20, 1}, {}).contains({4, 18, 0}));
+  // Capped, and coarse and flat axes, which have level 0 alone.
+  const hbIndexSet capped = hbIndexSet::anisotropic({7, 5, 3}, {{4, 0, 0}, {false, false, true}});
+  EXPECT_EQ(capped.finest(), glm::ivec3(4, 0, 0));
+  EXPECT_EQ(capped.storedValues(), 17 * 2);
+}
+
+RC_GTEST_PROP(hbIndexSet, EqualLevelsOfTheAxesGiveTheRegularSet, ()) {
+  const auto axes = *hbTestSets::axes();
+  const int n = *rc::gen::inRange(1, 9);
+  const hbIndexSet regular = hbIndexSet::regular(n, axes), equal = hbIndexSet::anisotropic(glm::ivec3(n), axes);
+  RC_ASSERT(equal.subspaces().size() == regular.subspaces().size());
+  for (const hbSubspace& subspace : regular.subspaces()) RC_ASSERT(equal.contains(subspace.levels));
+}
+
+RC_GTEST_PROP(hbIndexSet, AnisotropicSetsAreClosed, ()) {
+  const glm::ivec3 levels(*rc::gen::inRange(1, 12), *rc::gen::inRange(1, 12), *rc::gen::inRange(1, 12));
+  const hbIndexSet set = hbIndexSet::anisotropic(levels, *hbTestSets::axes());
+  std::vector<glm::ivec3> list;
+  for (const hbSubspace& subspace : set.subspaces()) list.push_back(subspace.levels);
+  hbIndexSet::fromList(list, set.flat(), "x"); // throws where one is missing
+}
+
+TEST(hbIndexSet, EnclosesIndices) {
+  const hbIndexSet set = hbIndexSet::enclosing({{3, 1, 0}, {1, 2, 0}, {1, 1, 0}}, {false, false, true}, "x");
+  EXPECT_EQ(set.storedValues(), 9 * 3 + 3 * 2);
+  EXPECT_TRUE(set.contains({1, 2, 0}));
+  EXPECT_FALSE(set.contains({2, 2, 0}));
+  const glm::bvec3 none(false);
+  EXPECT_THROW(hbIndexSet::enclosing({}, none, "x"), hbError);
+  EXPECT_THROW(hbIndexSet::enclosing({{2, 2, 0}, {1, 1, 1}}, none, "x"), hbError); // (2,2,0) without (2,2,1)
+  EXPECT_THROW(hbIndexSet::enclosing({{1, 0, 0}}, {true, false, false}, "x"), hbError);
+  for (const int level : {-1, 21, 1 << 30}) EXPECT_THROW(hbIndexSet::enclosing({{1, level, 1}}, none, "x"), hbError);
+}
+
 TEST(hbIndexSet, AxesResolveTheSamples) {
   const auto axes = hbIndexSet::axesOf({1, 2, 3});
   EXPECT_EQ(axes.maxLevel, glm::ivec3(0, 0, 1));
@@ -66,7 +115,14 @@ TEST(hbIndexSet, OneSliceIsATwoDimensionalSparseGrid) {
 }
 
 TEST(hbIndexSet, RefusesLevelsOutOfRange) {
-  for (const int n : {0, -1, 21, 99}) EXPECT_THROW(hbIndexSet::regular(n, {}), hbError) << n;
+  for (const int n : {0, -1, 21, 99}) {
+    EXPECT_THROW(hbIndexSet::regular(n, {}), hbError) << n;
+    for (int d = 0; d < 3; ++d) {
+      glm::ivec3 levels(3);
+      levels[d] = n;
+      EXPECT_THROW(hbIndexSet::anisotropic(levels, {}), hbError) << n;
+    }
+  }
 }
 
 TEST(hbIndexSet, RefusesListsThatAreNoIndexSet) {

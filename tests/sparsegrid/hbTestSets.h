@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
+#include <tuple>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 #include <rapidcheck.h>
 
@@ -13,25 +14,47 @@
 /// Random index sets that the tests of sparse grids share.
 namespace hbTestSets {
 
-/// Axes with any mixture of flat, two-node and refined ones up to level 5.
-inline rc::Gen<hbIndexSet::Axes> axes() {
-  return rc::gen::map(rc::gen::container<std::vector<int>>(3, rc::gen::inRange(-1, 6)),
-                      [](const std::vector<int>& kinds) {
-                        hbIndexSet::Axes axes;
-                        for (int d = 0; d < 3; ++d) {
-                          axes.flat[d] = kinds[std::size_t(d)] < 0;
-                          axes.maxLevel[d] = std::max(kinds[std::size_t(d)], 0);
-                        }
-                        return axes;
-                      });
+/// A whole number from `least` to `most`, each as likely as any other from the first case on. (RapidCheck's own ranges
+/// begin with their least number, which makes most sets a point.)
+inline rc::Gen<int> number(int least, int most) {
+  return rc::gen::resize(rc::kNominalSize, rc::gen::inRange(least, most + 1));
 }
 
-/// A regular, capped, anisotropic or full set.
+/// Axes with any mixture of flat, two-node and refined ones up to level 5.
+inline rc::Gen<hbIndexSet::Axes> axes() {
+  return rc::gen::map(rc::gen::container<std::vector<int>>(3, number(-1, 5)), [](const std::vector<int>& kinds) {
+    hbIndexSet::Axes axes;
+    for (int d = 0; d < 3; ++d) {
+      axes.flat[d] = kinds[std::size_t(d)] < 0;
+      axes.maxLevel[d] = std::max(kinds[std::size_t(d)], 0);
+    }
+    return axes;
+  });
+}
+
+/// Whatever four random indices enclose: closed downwards, and nothing else.
+inline rc::Gen<hbIndexSet> closed() {
+  const auto index = rc::gen::tuple(number(1, 5), number(1, 5), number(1, 5));
+  const auto indices = rc::gen::container<std::vector<std::tuple<int, int, int>>>(4, index);
+  return rc::gen::map(rc::gen::pair(axes(), indices), [](const auto& choice) {
+    const auto& [within, corners] = choice;
+    std::vector<glm::ivec3> list;
+    for (const auto& [x, y, z] : corners) list.push_back(glm::min(within.maxLevel, glm::ivec3(x, y, z)));
+    return hbIndexSet::enclosing(list, within.flat, "closed");
+  });
+}
+
+/// A full set, a regular or anisotropic one, capped by its axes, or any that is closed downwards.
 inline rc::Gen<hbIndexSet> any() {
-  return rc::gen::map(
-      rc::gen::pair(axes(), rc::gen::inRange(0, 8)), [](const std::pair<hbIndexSet::Axes, int>& choice) {
-        return choice.second == 0 ? hbIndexSet::full(choice.first) : hbIndexSet::regular(choice.second, choice.first);
-      });
+  const auto levels = rc::gen::tuple(number(1, 7), number(1, 7), number(1, 7));
+  const auto regular = rc::gen::map(rc::gen::pair(axes(), number(1, 7)), [](const auto& choice) {
+    return hbIndexSet::regular(choice.second, choice.first);
+  });
+  const auto anisotropic = rc::gen::map(rc::gen::pair(axes(), levels), [](const auto& choice) {
+    const auto& [x, y, z] = choice.second;
+    return hbIndexSet::anisotropic({x, y, z}, choice.first);
+  });
+  return rc::gen::oneOf(rc::gen::map(axes(), hbIndexSet::full), regular, anisotropic, closed());
 }
 
 /// The size of a volume whose lattice the set's axes are: 1 where flat, 2 where coarse, 2^l + 1.
