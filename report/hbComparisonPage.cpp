@@ -7,7 +7,7 @@
 #include "report/hbComparisonPageTables.h"
 #include "report/hbHtmlWriter.h"
 #include "report/hbReportPlace.h"
-#include "scene/hbTextFile.h"
+#include "volume/hbTextFile.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 
 #include "report/hbPlot.h"
 #include "report/hbReportPlace.h"
-#include "scene/hbTextFile.h"
+#include "volume/hbTextFile.h"
 
 namespace {
 

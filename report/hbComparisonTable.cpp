@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene/hbTextFile.h"
+#include "volume/hbTextFile.h"
 
 namespace {
 

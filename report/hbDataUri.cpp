@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/hbTextFile.h"
+#include "volume/hbTextFile.h"
 
 std::string hb::base64(std::string_view bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

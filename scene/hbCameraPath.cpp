@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "scene/hbCameraJson.h"
-#include "scene/hbTextFile.h"
+#include "volume/hbTextFile.h"
 
 namespace {
 

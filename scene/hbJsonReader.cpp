@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "volume/hbTextFile.h"
+
 using Json = nlohmann::json;
 
 namespace {
@@ -20,14 +22,6 @@ std::string lineAndColumn(const std::string& text, std::size_t at) {
 }
 
 } // namespace
-
-std::string hb::excerpt(std::string_view text) {
-  constexpr std::size_t kLength = 200;
-  std::string result(text.substr(0, kLength));
-  for (char& c : result)
-    if (c < ' ' || c > '~') c = '?';
-  return text.size() > kLength ? result + "..." : result;
-}
 
 std::string hb::jsonExcerpt(const Json& value) {
   return value.is_structured() ? value.is_array() ? "an array" : "an object"

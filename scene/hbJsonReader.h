@@ -51,9 +51,6 @@ private:
 
 namespace hb {
 
-/// Text from outside for use in a message: printable ASCII and not long.
-std::string excerpt(std::string_view text);
-
 /// A JSON value for use in a message: "an array", "an object", or an excerpt.
 std::string jsonExcerpt(const nlohmann::json& value);
 

@@ -14,9 +14,9 @@
 #include "scene/hbCameraJson.h"
 #include "scene/hbColormap.h"
 #include "scene/hbJsonReader.h"
-#include "scene/hbTextFile.h"
 #include "scene/hbTransferFunctionFile.h"
 #include "volume/hbError.h"
+#include "volume/hbTextFile.h"
 
 using Json = nlohmann::json;
 using hb::vectorToJson;

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/hbJsonReader.h"
-#include "scene/hbTextFile.h"
 #include "volume/hbError.h"
 #include "volume/hbHeaderText.h"
+#include "volume/hbTextFile.h"
 
 using Json = nlohmann::json;
 

@@ -1,4 +1,4 @@
-#include "scene/hbTextFile.h"
+#include "volume/hbTextFile.h"
 
 #include <fstream>
 
@@ -23,4 +23,12 @@ void hb::saveText(std::string_view text, const std::filesystem::path& path) {
   file.close();
   if (!file) throw hbError(fmt::format("{}: cannot be written", path.string()));
   output.commit();
+}
+
+std::string hb::excerpt(std::string_view text) {
+  constexpr std::size_t kLength = 200;
+  std::string result(text.substr(0, kLength));
+  for (char& c : result)
+    if (c < ' ' || c > '~') c = '?';
+  return text.size() > kLength ? result + "..." : result;
 }
