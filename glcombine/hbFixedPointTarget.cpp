@@ -13,3 +13,5 @@ void hbFixedPointTarget::add(double source) { steps_ = std::min(steps_ + quantis
 void hbFixedPointTarget::reverseSubtract(double source) {
   steps_ = std::max(steps_ - quantised(source), std::int64_t{0});
 }
+
+double hb::fixedPointLow(double least, double whole) { return whole > 0.0 ? std::min(least, least / whole) : least; }

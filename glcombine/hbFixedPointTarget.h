@@ -28,3 +28,13 @@ private:
   std::int64_t most_;
   std::int64_t steps_ = 0;
 };
+
+namespace hb {
+
+/// The value that stands for 0 in textures of fixed-point numbers, whose least value is `least`, so that a combination
+/// whose coefficients sum to `whole` and whose values are not below `least` is not below 0 in a target, where 0 stands
+/// for `whole` times it. `least` where they sum to 1, less otherwise; where the sum is not positive there is none, and
+/// it is `least`.
+double fixedPointLow(double least, double whole);
+
+} // namespace hb

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "glcombine/hbFixedPointTarget.h"
 #include "glcombine/hbOglRoundingBounds.h"
 #include "glcombine/hbTermOrder.h"
 #include "sparsegrid/hbRoundingBounds.h"
@@ -42,10 +43,11 @@ private:
 
 hbOglPointBounds::hbOglPointBounds(const hbPointBounds& bounds)
     : bounds_(bounds), slopes_(hb::slopeBounds(bounds.grid(), bounds.component())) {
-  std::vector<int> coefficients;
+  std::vector<double> coefficients;
   for (const auto& one : bounds.combinationGrid().grids()) {
     coefficients.push_back(one.coefficient);
-    positive_ += std::max(one.coefficient, 0);
+    whole_ += one.coefficient;
+    positive_ += std::max(one.coefficient, 0.0);
   }
   interleaved_ = hb::interleaved(coefficients);
   const auto values = bounds.combinationGrid().values(bounds.component());
@@ -84,22 +86,25 @@ double hbOglPointBounds::semiNodal(const glm::dvec3& point, const glm::dvec3& of
          glm::dot(slopes_, off);
 }
 
-double hbOglPointBounds::zero(hbGlFormat format) const { return hb::isFixedPoint(format) ? least_ : 0.0; }
+double hbOglPointBounds::zero(hbGlFormat format) const {
+  return hb::isFixedPoint(format) ? whole_ * hb::fixedPointLow(least_, whole_) : 0.0;
+}
 
 double hbOglPointBounds::blend(const glm::dvec3& point, hbGlFormat format, const glm::dvec3& off) const {
   const std::vector<hbComponentValue> values =
       hb::componentValues(bounds_.combinationGrid(), point, bounds_.component());
   const bool isFixed = hb::isFixedPoint(format), isHalf = format == hbGlFormat::r16f;
-  // Of the numbers in textures, which are values less zero() over `size`.
+  // Of the numbers in textures, which are values less `low` over `size`.
   const double step = format == hbGlFormat::r8 ? 1.0 / 255.0 : 1.0 / 65535.0;
-  double size = isFixed ? greatest_ - least_ : isHalf ? std::max(std::abs(least_), std::abs(greatest_)) : 1.0;
+  const double low = isFixed ? hb::fixedPointLow(least_, whole_) : 0.0;
+  double size = isFixed ? greatest_ - low : isHalf ? std::max(std::abs(least_), std::abs(greatest_)) : 1.0;
   if (!(size > 0.0)) size = 1.0;
   const Rounding half{0x1p-10, 0x1p-14};
   RunningSum sum;
   double exact = 0.0, steps = 0.0;
   for (const std::size_t i : interleaved_) {
     const hbComponentValue& one = values[i];
-    const double weight = std::abs(one.grid->coefficient), value = (one.value - zero(format)) / size,
+    const double weight = std::abs(one.grid->coefficient), value = (one.value - low) / size,
                  largest = isFixed ? 1.0 : one.largest / size;
     const double texel = isFixed ? 0.5 * step : isHalf ? std::max(half.unit * largest, half.least) : 0.0;
     const double error =

@@ -24,8 +24,8 @@ public:
 
   /// Of hbOglSparseGrid with textures and target of one format, the exact filter, and the order that is chosen where
   /// nobody says one. Rounded are a texel (16-bit floats: towards 0 perhaps; fixed point: to half a step), every term
-  /// and every sum in the target (fixed point: either by half a step at the most); what is less than the least nodal
-  /// value is clamped to it in fixed point.
+  /// and every sum in the target (fixed point: either by half a step at the most); what is less than zero() is clamped
+  /// to it in fixed point.
   double blend(const glm::dvec3& point, hbGlFormat format, const glm::dvec3& off) const;
 
   /// What stands for the number 0 in targets of that format: their numbers are those of values less this.
@@ -38,5 +38,5 @@ private:
   glm::dvec3 slopes_;
   std::vector<std::size_t> interleaved_;
   double least_ = 0.0, greatest_ = 0.0; ///< Nodal values.
-  double positive_ = 0.0;               ///< Sum of the positive coefficients.
+  double whole_ = 0.0, positive_ = 0.0; ///< Sum of the coefficients, and of the positive ones.
 };

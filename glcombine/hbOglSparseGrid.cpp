@@ -4,10 +4,12 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "glcombine/hbFixedPointTarget.h"
 #include "glcombine/hbGlContext.h"
 #include "glcombine/hbGlPixels.h"
 #include "glcombine/hbGlProgram.h"
@@ -147,24 +149,27 @@ std::vector<float> texelsOf(std::span<const float> values, const hbSize3& nodes,
 /// How field values are mapped into textures, and drawn ones divided.
 struct Mapping {
   double low = 0.0, size = 1.0, divisor = 1.0;
+  double zero = 0.0; ///< The field value that a number 0 in the target stands for.
 
   Mapping(const hbCombinationSparseGrid& grid, int component, const hbOglSparseGrid::Options& options) {
     const auto either = [&](auto test) { return test(options.textures) || test(options.target); };
     const bool isFixed = either(hb::isFixedPoint);
     if (!isFixed && !either([](hbGlFormat format) { return format == hbGlFormat::r16f; })) return;
     float least = std::numeric_limits<float>::infinity(), greatest = -least;
-    double positive = 0.0;
+    double positive = 0.0, whole = 0.0;
     for (const hbCombinationSparseGrid::Grid& one : grid.grids()) {
       const auto values = grid.values(one, component);
       const auto [lo, hi] = std::minmax_element(values.begin(), values.end());
       least = std::min(least, *lo);
       greatest = std::max(greatest, *hi);
-      positive += std::max(one.coefficient, 0);
+      whole += one.coefficient;
+      positive += std::max(one.coefficient, 0.0);
     }
-    if (isFixed) low = least;
-    size = isFixed ? double(greatest) - double(least) : std::max(std::abs(double(least)), std::abs(double(greatest)));
+    if (isFixed) low = hb::fixedPointLow(double(least), whole);
+    zero = whole * low;
+    size = isFixed ? double(greatest) - low : std::max(std::abs(double(least)), std::abs(double(greatest)));
     if (!(size > 0.0)) size = 1.0;
-    if (hb::isFixedPoint(options.target)) divisor = positive;
+    if (hb::isFixedPoint(options.target) && positive > 0.0) divisor = positive;
   }
 };
 
@@ -185,6 +190,7 @@ struct hbOglSparseGrid::Parts {
 
   Parts(const hbGlContext& context, const hbCombinationSparseGrid& grid, int component, const Options& options);
 
+  std::vector<std::size_t> sequenceOf(const hbCombinationSparseGrid& grid) const;
   std::vector<Term> termsOf(const hbCombinationSparseGrid& grid, int component);
   void keep();
   std::int64_t bytesOf(const Term& term) const {
@@ -220,25 +226,27 @@ hbOglSparseGrid::Parts::Parts(const hbGlContext& c, const hbCombinationSparseGri
                               hb::glFormatName(options.target)));
   for (int d = 0; d < 3; ++d)
     if (!grid.geometry().isFlat(d)) spacing[d] = float(grid.geometry().cubeSpacing()[d]);
-  std::vector<Term> unordered = termsOf(grid, component);
-  std::vector<std::size_t> sequence(unordered.size());
-  if (order == Order::interleaved) {
-    std::vector<int> coefficients;
-    for (const Term& term : unordered) coefficients.push_back(int(std::lround(term.weight)));
-    sequence = hb::interleaved(coefficients);
-  } else {
-    for (std::size_t i = 0; i < sequence.size(); ++i) sequence[i] = i;
-    std::stable_partition(sequence.begin(), sequence.end(), [&](std::size_t i) { return unordered[i].weight > 0.0F; });
-  }
-  for (const std::size_t i : sequence) terms.push_back(std::move(unordered[i]));
+  terms = termsOf(grid, component);
   keep();
+}
+
+/// The component grids' places in the order they are drawn.
+std::vector<std::size_t> hbOglSparseGrid::Parts::sequenceOf(const hbCombinationSparseGrid& grid) const {
+  std::vector<double> coefficients;
+  for (const hbCombinationSparseGrid::Grid& one : grid.grids()) coefficients.push_back(one.coefficient);
+  if (order == Order::interleaved) return hb::interleaved(coefficients);
+  std::vector<std::size_t> sequence(coefficients.size());
+  std::iota(sequence.begin(), sequence.end(), std::size_t{0});
+  std::stable_partition(sequence.begin(), sequence.end(), [&](std::size_t i) { return coefficients[i] > 0.0; });
+  return sequence;
 }
 
 std::vector<Term> hbOglSparseGrid::Parts::termsOf(const hbCombinationSparseGrid& grid, int component) {
   std::vector<Term> list;
   glm::bvec3 flat;
   for (int d = 0; d < 3; ++d) flat[d] = grid.geometry().isFlat(d);
-  for (const hbCombinationSparseGrid::Grid& one : grid.grids()) {
+  for (const std::size_t place : sequenceOf(grid)) {
+    const hbCombinationSparseGrid::Grid& one = grid.grids()[place];
     const auto stored = grid.values(one, component);
     std::vector<float> values(stored.size());
     std::transform(stored.begin(), stored.end(), values.begin(),
@@ -320,7 +328,7 @@ std::int64_t hbOglSparseGrid::residentBytes() const { return parts_->resident; }
 std::int64_t hbOglSparseGrid::textures() const { return std::int64_t(parts_->terms.size()); }
 
 double hbOglSparseGrid::valueOf(double number) const {
-  return parts_->mapping.low + parts_->mapping.size * parts_->mapping.divisor * number;
+  return parts_->mapping.zero + parts_->mapping.size * parts_->mapping.divisor * number;
 }
 
 void hbOglSparseGrid::draw(std::span<const Plane> planes, const hbOglTiles& tiles, const hbGlTarget& target) const {

@@ -23,9 +23,11 @@ class hbOglTiles;
 /// them are drawn over each other, blended by their coefficients.
 ///
 /// Fixed-point textures and targets hold [0,1] and clamp what is outside. Values are mapped there by the range of all
-/// nodal values (the coefficients sum to 1, so the combination is mapped alike), and what is drawn is divided by the
-/// sum of the positive coefficients. There is room above for what lies between nodes and exceeds them; what falls below
-/// the least of them is clamped. For 16-bit floats, values are divided by the largest magnitude. Source: the
+/// nodal values, and what is drawn is divided by the sum of the positive coefficients. Where the coefficients sum to 1
+/// the combination is mapped alike; where they sum to S, a number 0 stands for S times what it stands for in textures,
+/// so that the range begins at the least nodal value / S where that is less (S > 0). There is room above for what lies
+/// between nodes and exceeds them; what falls below the least of them is clamped (S <= 0: whatever falls below S times
+/// it). For 16-bit floats, values are divided by the largest magnitude. Source: the
 /// sparse-grid paper, section 6, createTextures, dataToTexture, calcValueRect, draw.
 class hbOglSparseGrid {
 public:

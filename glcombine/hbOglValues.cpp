@@ -115,7 +115,7 @@ private:
 hbOglValues::Table::Table(const hbCombinationSparseGrid& grid, const Limits& limits)
     : glsl(kCombination), scale(grid.latticeScale()) {
   checkValues(grid.values(0).size(), limits);
-  std::vector<int> coefficients;
+  std::vector<double> coefficients;
   for (const hbCombinationSparseGrid::Grid& one : grid.grids()) coefficients.push_back(one.coefficient);
   for (int d = 0; d < 3; ++d) isFlat[d] = grid.grids().front().nodes[d] == 1;
   for (const std::size_t i : hb::interleaved(coefficients)) {

@@ -1,18 +1,20 @@
 #include "glcombine/hbTermOrder.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <map>
+#include <numeric>
 #include <utility>
 
-std::vector<std::size_t> hb::interleaved(std::span<const int> coefficients) {
-  std::map<int, std::vector<std::size_t>> left; // the terms of each coefficient, the last one first
+std::vector<std::size_t> hb::interleaved(std::span<const double> coefficients) {
+  std::map<double, std::vector<std::size_t>> left; // the terms of each coefficient, the last one first
   for (std::size_t i = coefficients.size(); i-- > 0;) left[coefficients[i]].push_back(i);
   std::vector<std::size_t> order;
-  std::int64_t sum = 0;
+  const double whole = std::accumulate(coefficients.begin(), coefficients.end(), 0.0);
+  const double least = std::min(whole, 0.0), greatest = std::max(whole, 0.0);
+  double sum = 0.0;
   const auto away = [&](const auto& terms) {
-    const std::int64_t next = sum + terms.first;
-    return std::max({-next, next - 1, std::int64_t{0}}); // from [0,1]
+    const double next = sum + terms.first;
+    return std::max({least - next, next - greatest, 0.0});
   };
   while (!left.empty()) {
     const auto next = std::min_element(left.begin(), left.end(), [&](const auto& a, const auto& b) {

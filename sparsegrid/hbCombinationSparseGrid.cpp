@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "sparsegrid/hbComponentNodes.h"
+#include "sparsegrid/hbRoundingBounds.h"
 #include "sparsegrid/kernels/hbCombinationKernel.h"
 #include "volume/hbError.h"
 
@@ -31,20 +33,17 @@ float lerp(float a, float b, float t) { return a + t * (b - a); }
 
 float clamped(float u) { return u > 0.0F ? std::min(u, 1.0F) : 0.0F; }
 
-/// Copies the nodes of a component grid out of the values at all nodes of the sparse grid.
-void copyNodes(const hbIndexSet& set, const std::vector<double>& nodal, const hbCombinationSparseGrid::Grid& grid,
-               float* out) {
-  for (std::int64_t k = 0; k < grid.nodes.z; ++k) {
-    const auto [lz, iz] = hbIndexSet::axisNode(set.flat().z, grid.levels.z, k);
-    for (std::int64_t j = 0; j < grid.nodes.y; ++j) {
-      const auto [ly, iy] = hbIndexSet::axisNode(set.flat().y, grid.levels.y, j);
-      for (std::int64_t i = 0; i < grid.nodes.x; ++i) {
-        const auto [lx, ix] = hbIndexSet::axisNode(set.flat().x, grid.levels.x, i);
-        const hbSubspace& from = set.subspace({lx, ly, lz});
-        *out++ = float(nodal[std::size_t(from.offset + ix + from.nodes.x * (iy + from.nodes.y * iz))]);
-      }
-    }
-  }
+std::vector<double> coefficientsOf(const hbIndexSet& set) {
+  std::vector<double> coefficients;
+  for (const hbIndexSet::ComponentGrid& component : set.componentGrids()) coefficients.push_back(component.coefficient);
+  return coefficients;
+}
+
+void checkCoefficients(std::span<const double> coefficients, std::size_t grids) {
+  if (coefficients.size() != grids)
+    throw hbError(fmt::format("combination: expected {} coefficients, found {}", grids, coefficients.size()));
+  for (const double c : coefficients)
+    if (!std::isfinite(c)) throw hbError(fmt::format("combination: expected finite coefficients, found {}", c));
 }
 
 hbCombinationTerms termsOf(const hbSparseGrid& grid, const std::vector<hbCombinationSparseGrid::Grid>& grids) {
@@ -64,11 +63,17 @@ double hbCombinationSparseGrid::bytes(const hbIndexSet& set, int components) {
          double(sizeof(double)) * double(set.storedValues());
 }
 
-hbCombinationSparseGrid::hbCombinationSparseGrid(const hbSparseGrid& grid) : frame_(grid.frame()) {
+hbCombinationSparseGrid::hbCombinationSparseGrid(const hbSparseGrid& grid)
+    : hbCombinationSparseGrid(grid, coefficientsOf(grid.indexSet())) {}
+
+hbCombinationSparseGrid::hbCombinationSparseGrid(const hbSparseGrid& grid, std::span<const double> coefficients)
+    : frame_(grid.frame()) {
   const hbIndexSet& set = grid.indexSet();
+  const std::vector<hbIndexSet::ComponentGrid> components = set.componentGrids();
+  checkCoefficients(coefficients, components.size());
   std::int64_t count = 0;
-  for (const hbIndexSet::ComponentGrid& component : set.componentGrids()) {
-    grids_.push_back({component.levels, component.coefficient, component.nodes, count});
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    grids_.push_back({components[i].levels, coefficients[i], components[i].nodes, count});
     if (grids_.back().count() > std::numeric_limits<std::int32_t>::max())
       throw hbError(fmt::format("component grid: expected fewer than 2^31 nodes, found {}", grids_.back().count()));
     count += grids_.back().count();
@@ -77,7 +82,7 @@ hbCombinationSparseGrid::hbCombinationSparseGrid(const hbSparseGrid& grid) : fra
     const std::vector<double> nodal = grid.nodalValues(c);
     // One value more than there are: on a flat x axis the kernel reads past the last one.
     std::vector<float>& values = values_.emplace_back(std::size_t(count + 1), 0.0F);
-    for (const Grid& to : grids_) copyNodes(set, nodal, to, values.data() + to.offset);
+    for (const Grid& to : grids_) hb::copyComponentNodes(set, nodal, to.levels, values.data() + to.offset);
   }
   terms_ = std::make_shared<const hbCombinationTerms>(termsOf(grid, grids_));
 }
@@ -136,11 +141,11 @@ hbRange hbCombinationSparseGrid::range(const hbBox& box, int component) const {
           least = std::min(least, v);
           greatest = std::max(greatest, v);
         }
-    lo += grid.coefficient * (grid.coefficient > 0 ? least : greatest);
-    hi += grid.coefficient * (grid.coefficient > 0 ? greatest : least);
+    lo += grid.coefficient * (grid.coefficient > 0.0 ? least : greatest);
+    hi += grid.coefficient * (grid.coefficient > 0.0 ? greatest : least);
     magnitude += std::abs(grid.coefficient) * std::max(std::abs(least), std::abs(greatest));
   }
   // The bound of doc/sparse-grids.md.
-  const double slack = 18.0 * 0x1p-24 * magnitude;
+  const double slack = hb::kCombinationRoundings * 0x1p-24 * magnitude;
   return {float(lo - slack), float(hi + slack)};
 }

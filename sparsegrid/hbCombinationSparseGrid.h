@@ -17,13 +17,17 @@ public:
   /// Dehierarchises `grid` into its component grids; O(values in all of them), 4 bytes each. Throws hbError where one
   /// of them has 2^31 values or more.
   explicit hbCombinationSparseGrid(const hbSparseGrid& grid);
+  /// The same with other coefficients, in the order of componentGrids(), the same for all components. It is the
+  /// function of the sparse grid whose subspace k has the surpluses of `grid` times the sum of the coefficients of the
+  /// component grids that k is part of. Throws hbError for another number of them, and where one is not finite.
+  hbCombinationSparseGrid(const hbSparseGrid& grid, std::span<const double> coefficients);
 
   /// The memory that building it takes, its temporary nodal values included.
   static double bytes(const hbIndexSet& set, int components);
 
   struct Grid {
     glm::ivec3 levels{0};
-    int coefficient = 0;
+    double coefficient = 0.0;
     hbSize3 nodes{1};
     std::int64_t offset = 0; ///< Of its first value in an array over all grids.
 

@@ -27,6 +27,12 @@ double hb::amplification(const hbIndexSet& set) {
   return sum;
 }
 
+double hb::amplification(const hbCombinationSparseGrid& grid) {
+  double sum = 0.0;
+  for (const hbCombinationSparseGrid::Grid& one : grid.grids()) sum += std::abs(one.coefficient);
+  return sum;
+}
+
 glm::dvec3 hb::slopeBounds(const hbSparseGrid& grid, int component) {
   glm::dvec3 sum(0.0);
   for (const hbSubspace& subspace : grid.indexSet().subspaces()) {
@@ -89,4 +95,8 @@ double hb::latticeBound(const hbSparseGrid& grid, int row, int component) {
 
 double hb::combinationBound(const hbIndexSet& set, double largest) {
   return kCombinationRoundings * 0x1p-24 * amplification(set) * largest;
+}
+
+double hb::combinationBound(const hbCombinationSparseGrid& grid, double largest) {
+  return kCombinationRoundings * 0x1p-24 * amplification(grid) * largest;
 }

@@ -2,6 +2,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "sparsegrid/hbCombinationSparseGrid.h"
 #include "sparsegrid/hbSparseGrid.h"
 
 /// How far the ways to evaluate a sparse grid in 32 bits may be from the function that its stored surpluses stand for,
@@ -14,6 +15,7 @@ double amplitude(const hbSparseGrid& grid, int component = 0);
 
 /// Sum of the magnitudes of the combination's coefficients: how much larger than the values its terms are together.
 double amplification(const hbIndexSet& set);
+double amplification(const hbCombinationSparseGrid& grid);
 
 /// The greatest slopes there may be along the axes of the cube, per unit of its edges: of a subspace, 2^l times its
 /// largest surplus; of level 0, the difference of two.
@@ -41,9 +43,9 @@ double semiNodalRoundings(const hbIndexSet& set);
 /// is that of its own share of the amplitude; in the end they are added.
 double latticeRoundings(const hbIndexSet& set, int row = 1);
 /// combination: the nodal value; in each of three lerps a + t (b - a) a difference and a product of up to twice the
-/// largest nodal value and a sum of up to once that, so 5; the product with the coefficient, and the result. Of each
-/// term.
-constexpr double kCombinationRoundings = 18.0;
+/// largest nodal value and a sum of up to once that, so 5; the coefficient, where it is no integer; the product with
+/// it, and the result. Of each term.
+constexpr double kCombinationRoundings = 19.0;
 
 double directBound(const hbSparseGrid& grid, int component = 0);
 double semiNodalBound(const hbSparseGrid& grid, int component = 0);
@@ -51,5 +53,7 @@ double semiNodalBound(const hbSparseGrid& grid, int component = 0);
 double latticeBound(const hbSparseGrid& grid, int row = 1, int component = 0);
 /// `largest`: nodal value. The coordinates' rounding comes on top (coordinateBound).
 double combinationBound(const hbIndexSet& set, double largest);
+/// The same for any coefficients.
+double combinationBound(const hbCombinationSparseGrid& grid, double largest);
 
 } // namespace hb

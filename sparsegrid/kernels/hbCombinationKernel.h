@@ -14,7 +14,7 @@
 struct hbCombinationTerms {
   struct Grid {
     glm::ivec3 levels{0};
-    int coefficient = 0;
+    double coefficient = 0.0;
     std::int64_t strideY = 0, strideZ = 0; ///< In values; 0 along a flat axis.
     std::int64_t offset = 0;               ///< Of its first value.
   };

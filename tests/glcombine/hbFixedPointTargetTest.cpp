@@ -111,3 +111,13 @@ TEST(hbFixedPointTarget, ScalingCostsTheBitsOfTheSumOfPositiveCoefficients) {
   EXPECT_EQ(std::count_if(terms.begin(), terms.end(), [](const Term& t) { return t.coefficient > 0; }), 91);
   EXPECT_NEAR(std::log2(positiveWeight(terms)), 6.5, 0.1);
 }
+
+// A combination of values of `least` and more, which is so itself, is not below what 0 in a target stands for.
+TEST(hbFixedPointTarget, RangesBeginWhereCombinationsDoNotFallBelowThem) {
+  EXPECT_EQ(hb::fixedPointLow(3.0, 1.0), 3.0);
+  EXPECT_EQ(hb::fixedPointLow(3.0, 2.0), 1.5);
+  EXPECT_EQ(hb::fixedPointLow(3.0, 0.5), 3.0);
+  EXPECT_EQ(hb::fixedPointLow(-3.0, 2.0), -3.0);
+  EXPECT_EQ(hb::fixedPointLow(-3.0, 0.5), -6.0);
+  EXPECT_EQ(hb::fixedPointLow(-3.0, 0.0), -3.0);
+}

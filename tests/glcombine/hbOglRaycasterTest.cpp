@@ -514,7 +514,7 @@ TEST(hbOglRaycaster, DvrByFixedPointTargets) {
   options.blend.textures = options.blend.target = hbGlFormat::r16;
   double positive = 0.0, terms = 0.0;
   for (const auto& one : combination.grids()) {
-    positive += std::max(one.coefficient, 0);
+    positive += std::max(one.coefficient, 0.0);
     ++terms;
   }
   for (const hbCamera& camera : someCameras(g)) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <tuple>
 
@@ -14,11 +15,13 @@
 #include "glcombine/hbGlFunctions.h"
 #include "glcombine/hbGlTarget.h"
 #include "glcombine/hbGlTexture.h"
+#include "glcombine/hbOglPointBounds.h"
 #include "glcombine/hbOglRoundingBounds.h"
 #include "glcombine/hbOglTiles.h"
 #include "glcombine/hbTermOrder.h"
 #include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbTestScenes.h"
+#include "tests/sparsegrid/hbTestCombinations.h"
 #include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 
@@ -142,6 +145,41 @@ TEST(hbOglSparseGrid, FloatsAreTheCombinationUpToRounding) {
     }
 }
 
+// Whatever they sum to: the grid of scaled surpluses, rounded once more, to the point's own bounds. The field's values
+// are all of one sign, so that the range's lower end moves with the coefficients' sum.
+TEST(hbOglSparseGrid, OfAnyCoefficientsIsTheGridOfScaledSurpluses) {
+  const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
+  const hbGlCurrent current(*context);
+  hbGeometry geometry;
+  geometry.size = hbSize3(17);
+  for (const double sign : {1.0, -1.0}) {
+    const hbSparseGrid grid = hbTestScenes::gridOf(
+        geometry, 4, {[&](const glm::dvec3& p) { return sign * (2.0 + std::sin(5.0 * p.x) * p.y - p.z * p.z); }});
+    for (const double scale : {0.6, 1.0, 1.7}) {
+      const std::vector<double> coefficients = hbTestCombinations::coefficients(grid.indexSet(), scale, 5);
+      const hbCombinationSparseGrid combination(grid, coefficients);
+      const hbSparseGrid scaled = hbTestCombinations::scaledBy(grid, coefficients);
+      const hbPointBounds bounds(scaled, combination);
+      for (const hbGlFormat format : {hbGlFormat::r32f, hbGlFormat::r16f, hbGlFormat::r16, hbGlFormat::r8}) {
+        const hbOglSparseGrid drawn(*context, combination, 0,
+                                    {format, format, Form::exact, std::nullopt, Filter::exact});
+        EXPECT_NEAR(drawn.valueOf(0.0), hbOglPointBounds(bounds).zero(format), 1e-12);
+        const std::vector<float> out = drawnValues(*context, drawn, format, oblique());
+        for (int y = 0; y < kHeight; ++y)
+          for (int x = 0; x < kWidth; ++x) {
+            const glm::dvec3 p = sample(oblique(), x, y);
+            if (!isInside(p)) continue;
+            const double bound =
+                hbOglPointBounds(bounds).blend(p, format, glm::dvec3(hbOglRoundingBounds::kCoordinate)) +
+                bounds.stored(p);
+            EXPECT_NEAR(out[std::size_t(x + kWidth * y)], scaled.calcValue(p, 0), bound)
+                << hb::glFormatName(format) << " " << scale << " " << x << " " << y;
+          }
+      }
+    }
+  }
+}
+
 // Where a real target rounds is its own: what is drawn, before it is blended, or only the result. Either is up to half
 // a step, so real and emulated targets drift apart by a step a blend at the most, and clamping brings them no farther
 // apart.
@@ -156,7 +194,7 @@ TEST(hbOglSparseGrid, FixedPointTargetsLoseWhatTheEmulatorSays) {
       least = std::min(least, value);
       greatest = std::max(greatest, value);
     }
-    positive += std::max(one.coefficient, 0);
+    positive += std::max(one.coefficient, 0.0);
   }
   for (const auto& [format, bits] : {std::pair(hbGlFormat::r8, 8), {hbGlFormat::r16, 16}}) {
     const hbOglSparseGrid drawn(*context, grid, 0, {hbGlFormat::r32f, format, Form::exact});
@@ -185,7 +223,7 @@ TEST(hbOglSparseGrid, FixedPointTargetsLoseWhatTheEmulatorSays) {
 }
 
 // A field that is nearly constant, so that the coordinates' rounding (see hbOglRoundingBounds) hardly shows. What is
-// left are the roundings of textures, of interpolation (18, see hb::combinationBound), and those of every blend: of
+// left are the roundings of textures, of interpolation (see hb::kCombinationRoundings), and those of every blend: of
 // what is added and of the partial sum, which depend on the order. 16-bit floats may be rounded towards 0.
 TEST(hbOglSparseGrid, FloatTargetsLoseWhatTheirPartialSumsSay) {
   const auto context = hbGlContext::create(hbGlContext::Kind::osmesa);
@@ -195,7 +233,7 @@ TEST(hbOglSparseGrid, FloatTargetsLoseWhatTheirPartialSumsSay) {
   geometry.size = hbSize3(129);
   const hbCombinationSparseGrid grid(
       hbTestScenes::gridOf(geometry, 7, {[](const glm::dvec3& p) { return 0.7 + kSlope * (p.x + p.y + p.z); }}));
-  std::vector<int> coefficients;
+  std::vector<double> coefficients;
   for (const auto& one : grid.grids()) coefficients.push_back(one.coefficient);
   for (const auto& [format, unit] : {std::pair(hbGlFormat::r32f, 0x1p-24), {hbGlFormat::r16f, 0x1p-10}}) {
     std::map<Order, double> worst;
@@ -216,7 +254,8 @@ TEST(hbOglSparseGrid, FloatTargetsLoseWhatTheirPartialSumsSay) {
             const double value = trilinear(grid, grid.grids()[i], p), term = coefficients[i] * value;
             sum += term;
             bound += unit * (std::abs(term) + std::abs(sum)) +
-                     std::abs(coefficients[i]) * (value * (18.0 * 0x1p-24 + unit) + kSlope * 3.0 * 8.0 * 0x1p-24);
+                     std::abs(coefficients[i]) *
+                         (value * (hb::kCombinationRoundings * 0x1p-24 + unit) + kSlope * 3.0 * 8.0 * 0x1p-24);
           }
           const double error = std::abs(out[std::size_t(x + kWidth * y)] - sum);
           EXPECT_LE(error, bound) << x << " " << y;
