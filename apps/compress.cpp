@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/IndexSetOptions.h"
 #include "apps/Program.h"
 #include "report/hbReportJson.h"
 #include "report/hbSparseCompression.h"
@@ -26,6 +27,7 @@ struct Options {
   app::InputOptions input;
   std::vector<std::string> files; ///< IN OUT, or OUT alone with --components
   std::string components;
+  app::IndexSetOptions set;
   hbSparseCompression how;
 };
 
@@ -109,6 +111,7 @@ app::Work prepare(Options& options, const app::CommonOptions& common) {
   checkNames(options);
   common.checkOutputs({options.files.back()});
   options.input.rawLayout();
+  options.how.set = options.set.choice();
   return [&] { run(options, common); };
 }
 
@@ -123,22 +126,13 @@ void addCompress(CLI::App& program, const app::CommonOptions& common, app::Work&
                    "IN OUT.hbv; IN is a volume file, a folder of DICOM slices or field:NAME[,...]")
       ->required()
       ->type_name("");
-  command->add_option("--level", how.level, "Level of the grid (default: the one that resolves the longest axis)")
-      ->check(CLI::Range(1, hbIndexSet::kMaxLevel));
-  command->add_flag("--uncapped", how.uncapped,
-                    "Let axes go finer than the samples, as the paper's grids do (analytic fields always)");
+  options->set.addTo(*command);
   const std::map<std::string, hbLatticeMapping> mappings{{"fitted", hbLatticeMapping::fitted},
                                                          {"aligned", hbLatticeMapping::aligned}};
   command
       ->add_option("--mapping", how.mapping,
                    "fitted (default): the grid's cube is the volume's; aligned: grid nodes are samples")
       ->transform(CLI::CheckedTransformer(mappings));
-  const std::map<std::string, bool> sets{{"regular", false}, {"full", true}};
-  command
-      ->add_option(
-          "--index-set", how.fullSet,
-          "regular (default): the sparse grid; full: every subspace, which with --mapping aligned keeps every sample")
-      ->transform(CLI::CheckedTransformer(sets));
   command
       ->add_option("--components", options->components,
                    "Build from a solver's component grids: 'u_{i}_{j}_{k}.nrrd' (quoted), then OUT.hbv alone")

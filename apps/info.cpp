@@ -10,6 +10,7 @@
 #include "apps/InfoText.h"
 #include "apps/Program.h"
 #include "raycast/hbSceneDefaults.h"
+#include "sparsegrid/hbIndexSetFile.h"
 #include "volume/hbError.h"
 
 namespace {
@@ -18,12 +19,22 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   app::InputOptions input;
-  bool json = false, verify = false, histogram = false, uncapped = false;
+  bool json = false, verify = false, histogram = false, uncapped = false, indexSet = false;
   int level = 0;
 };
 
 /// Statistics read every sample: up to this many they are shown unasked, beyond only with --histogram.
 constexpr std::int64_t kStatisticsUnasked = std::int64_t{1} << 27;
+
+/// The set of a sparse grid, or of the one of a level.
+hbIndexSet indexSetOf(const Options& options, const hbInput& input) {
+  if (input.sparse && options.level != 0)
+    throw hbError(fmt::format("{}: --level says what a sparse grid would hold; this is one", input.name));
+  if (input.sparse) return input.sparse->grid.indexSet();
+  const hbSize3 size = input.geometry().size;
+  const bool capped = input.volume && !options.uncapped;
+  return hbIndexSet::regular(options.level, capped ? hbIndexSet::axesOf(size) : hbIndexSet::uncappedAxesOf(size));
+}
 
 Json describe(const Options& options, const app::CommonOptions& common) {
   const hbInput input = options.input.open(common, app::progress());
@@ -58,20 +69,24 @@ Json describe(const Options& options, const app::CommonOptions& common) {
     info["specification"] = input.analytic->specification();
   }
   if (options.verify && !input.sparse) throw hbError(fmt::format("{}: --verify expects an .hbv file", input.name));
-  if (options.level != 0) {
-    if (input.sparse)
-      throw hbError(fmt::format("{}: --level says what a sparse grid would hold; this is one", input.name));
-    const bool capped = input.volume && !options.uncapped;
-    app::addIndexSet(
-        info, hbIndexSet::regular(options.level, capped ? hbIndexSet::axesOf(size) : hbIndexSet::uncappedAxesOf(size)),
-        input.geometry(), input.components());
-  }
+  if (options.level != 0) app::addIndexSet(info, indexSetOf(options, input), input.geometry(), input.components());
   if (options.histogram && !input.volume)
     for (int c = 0; c < input.components(); ++c)
       histograms.push_back(hb::fieldHistogram(*options.input.field(input, "auto", common), c, app::progress()));
   for (const hbHistogram& h : histograms) info["statistics"].push_back(app::histogramJson(h));
   info["geometry"] = app::geometryJson(input.geometry());
   return info;
+}
+
+void listIndexSet(const Options& options, const app::CommonOptions& common) {
+  const hbInput input = options.input.open(common, app::progress());
+  if (!input.sparse && options.level == 0)
+    throw hbError(fmt::format("{}: --index-set expects an .hbv file, or --level beside it", input.name));
+  const hbIndexSet set = indexSetOf(options, input);
+  fmt::print("{}", hbIndexSetFile::text(set));
+  Json info{{"name", input.name}};
+  app::addIndexSet(info, set, input.geometry(), input.components());
+  common.writeStats(info);
 }
 
 void run(const Options& options, const app::CommonOptions& common) {
@@ -85,6 +100,7 @@ void run(const Options& options, const app::CommonOptions& common) {
 
 app::Work prepare(const Options& options, const app::CommonOptions& common) {
   options.input.rawLayout();
+  if (options.indexSet) return [&] { listIndexSet(options, common); };
   return [&] { run(options, common); };
 }
 
@@ -103,5 +119,11 @@ void addInfo(CLI::App& program, const app::CommonOptions& common, app::Work& wor
       ->check(CLI::Range(1, hbIndexSet::kMaxLevel));
   command->add_flag("--uncapped", options->uncapped,
                     "With --level: do not stop at the level that resolves the samples");
+  command
+      ->add_flag("--index-set", options->indexSet,
+                 "Print nothing but the index set of an .hbv file, or of --level, as compress --index-set reads it")
+      ->excludes("--json")
+      ->excludes("--verify")
+      ->excludes("--histogram");
   command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

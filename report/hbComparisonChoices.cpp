@@ -41,7 +41,7 @@ Json head(const std::string& kind, const std::string& label, std::optional<int> 
 hbSparseGridFile sparseFile(const hbInput& input, const hbComparison& what, int level, hbProgress& progress) {
   if (!input.analytic) {
     hbSparseCompression compression;
-    compression.level = level;
+    compression.set.levels = glm::ivec3(level);
     compression.measure = hbSparseCompression::Measure::none;
     compression.nonFinite = what.nonFinite;
     compression.memoryLimit = what.memoryLimit;

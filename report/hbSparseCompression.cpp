@@ -5,7 +5,6 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <glm/common.hpp>
 
 #include "report/hbFieldDifference.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
@@ -14,35 +13,11 @@
 
 namespace {
 
-/// An analytic field has no samples of its own: at a given level it stands for the full grid of that level.
-hbInput atLevel(hbInput input, int level) {
-  if (!input.analytic || level == 0) return input;
-  hbSize3 size = input.analytic->geometry().size;
-  if (3 * level >= 60 && size.x > 2 && size.y > 2 && size.z > 2)
-    throw hbError(
-        fmt::format("{}: expected a level up to 19 (its full grid must have fewer than 2^60 samples), found {}",
-                    input.name, level));
-  for (int d = 0; d < 3; ++d)
-    if (size[d] > 2) size[d] = (std::int64_t{1} << level) + 1;
-  input.analytic = input.analytic->withSize(size);
-  return input;
-}
-
 bool mayScan(const hbInput& input) {
   return input.volume && input.geometry().samples() <= hbSparseCompression::kMeasureAll / input.components();
 }
 
 } // namespace
-
-hbIndexSet hbSparseCompression::indexSet(const hbInput& input) const {
-  const hbSize3 size = input.geometry().size;
-  const hbIndexSet::Axes capped = hbIndexSet::axesOf(size);
-  const int finest = level > 0 ? level : std::max({1, capped.maxLevel.x, capped.maxLevel.y, capped.maxLevel.z});
-  const bool free = uncapped || (input.analytic && level > 0);
-  const hbIndexSet::Axes axes = free ? hbIndexSet::uncappedAxesOf(size) : capped;
-  if (!fullSet) return hbIndexSet::regular(finest, axes);
-  return hbIndexSet::full({glm::min(axes.maxLevel, glm::ivec3(finest)), axes.flat});
-}
 
 hbRangeRecord hbSparseCompression::rangeOf(const hbInput& input, hbProgress& progress) const {
   hbRangeRecord record;
@@ -97,14 +72,14 @@ hbErrorRecord hbSparseCompression::errorsOf(const hbInput& input, const hbField&
 hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgress& progress) const {
   if (original.sparse)
     throw hbError(fmt::format("{}: expected a volume or a field, found a sparse grid", original.name));
-  const hbInput input = atLevel(original, level);
-  const hbIndexSet set = indexSet(input);
+  const hbInput input = set.inputFor(original);
+  const hbIndexSet indexSet = set.indexSet(input);
   // For each node and component 8 bytes while hierarchising and 4 for the surpluses, as much again for the form that
   // errors are measured with, and while they are packed; and something for what is being read.
-  const double need = double(set.storedValues()) * (12.0 + 12.0 * input.components());
+  const double need = double(indexSet.storedValues()) * (12.0 + 12.0 * input.components());
   if (need > double(memoryLimit))
     throw hbError(fmt::format("{}: level {} needs about {:.3g} MB, more than the memory limit of {:.3g} MB", input.name,
-                              set.number(), need / 0x1p20, double(memoryLimit) / 0x1p20));
+                              indexSet.number(), need / 0x1p20, double(memoryLimit) / 0x1p20));
   if (input.volume && !mayScan(input)) input.volume->adviseScatteredReads();
   std::optional<hbRangeRecord> range;
   if (mayScan(input)) range = rangeOf(input, progress);
@@ -112,10 +87,10 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
   const auto source = input.field(hbEngine::full, nonFinite);
   const auto interpolate = [&] {
     try {
-      if (!input.volume) return hbSparseGrid::interpolate(*source, set, mapping, progress);
-      return hbSparseGrid::interpolate(*source, set, mapping, progress, [&](std::int64_t first, std::int64_t last) {
-        input.volume->releasePlanes(first, last);
-      });
+      if (!input.volume) return hbSparseGrid::interpolate(*source, indexSet, mapping, progress);
+      return hbSparseGrid::interpolate(
+          *source, indexSet, mapping, progress,
+          [&](std::int64_t first, std::int64_t last) { input.volume->releasePlanes(first, last); });
     } catch (const hbCancelled&) {
       throw;
     } catch (const hbError& error) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "raycast/hbInput.h"
+#include "report/hbSetChoice.h"
 #include "sparsegrid/hbSparseGridFile.h"
 #include "volume/hbProgress.h"
 
@@ -20,22 +21,16 @@ struct hbSparseCompression {
   static constexpr std::int64_t kRandomSamples = std::int64_t{1} << 17;
   static constexpr std::int64_t kRandomPoints = std::int64_t{1} << 20;
 
-  int level = 0; ///< Of the regular set, or the most an axis of a full one has; 0: what resolves the longest axis.
-  /// Axes may go finer than the samples. An analytic field given a level always does: it then stands for the full grid
-  /// of 2^level + 1 nodes an axis.
-  bool uncapped = false;
-  bool fullSet = false; ///< Every subspace instead of the regular sparse set.
+  hbSetChoice set;
   hbLatticeMapping mapping = hbLatticeMapping::fitted;
   Measure measure = Measure::automatic;
   std::optional<double> nonFinite; ///< What NaN and infinite samples count as; none: they are refused.
   std::uint64_t memoryLimit = std::numeric_limits<std::uint64_t>::max(); ///< Bytes.
 
-  /// The index set for that input.
-  hbIndexSet indexSet(const hbInput& input) const;
-
   /// Interpolates and measures. Volumes of up to kMeasureAll samples are scanned for their range and for samples that
   /// are not finite; of larger ones only the nodes, and what measuring looks at, are read. Throws hbError for a sparse
-  /// grid as input, samples that are not finite, and where the estimate of memory exceeds the limit.
+  /// grid as input, where hbSetChoice does, samples that are not finite, and where the estimate of memory exceeds the
+  /// limit.
   hbSparseGridFile compress(const hbInput& input, hbProgress& progress = hbProgress::none()) const;
 
 private:

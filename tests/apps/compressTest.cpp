@@ -72,6 +72,61 @@ TEST_F(compress, RefusesLevelsThereAreNot) {
     expectFailureLeavesAll({"compress", "field:ball", "x.hbv", "--level", level}, 2, "--level");
 }
 
+TEST_F(compress, TakesALevelForEachAxis) {
+  writeVolume<float>("v.nrrd", {17, 17, 5}, 1, [](auto x, auto y, auto z, int) { return double(x * y + z); });
+  EXPECT_RUNS(run({"compress", "v.nrrd", "v.hbv", "--levels-per-axis", "4,2,9", "--stats", "s.json"}));
+  const hbSparseGridFile volume = read("v.hbv");
+  EXPECT_EQ(volume.grid.indexSet().finest(), glm::ivec3(4, 2, 2)); // z ends where the samples do
+  EXPECT_EQ(json("s.json")["stored_values"], volume.grid.indexSet().storedValues());
+  EXPECT_RUNS(run({"compress", "v.nrrd", "v.hbv", "--levels-per-axis", "4,2,3", "--uncapped"}));
+  EXPECT_EQ(read("v.hbv").grid.indexSet().finest(), glm::ivec3(4, 2, 3));
+  EXPECT_RUNS(run({"compress", "v.nrrd", "v.hbv", "--levels-per-axis", "4,2,1", "--index-set", "full"}));
+  EXPECT_EQ(read("v.hbv").grid.indexSet().storedValues(), 17 * 5 * 3);
+  EXPECT_RUNS(run({"compress", "field:smooth", "f.hbv", "--levels-per-axis", "3,5,2"}));
+  const hbSparseGridFile field = read("f.hbv");
+  EXPECT_EQ(field.grid.geometry().size, hbSize3(9, 33, 5));
+  EXPECT_EQ(field.grid.indexSet().finest(), glm::ivec3(3, 5, 2));
+
+  for (const char* levels : {"0,1,1", "1,1,21", "1,1", "1,1,1,1", "1,1,", "1;1;1", "1,1,x", "1.5,1,1", "5", ""})
+    expectFailureLeavesAll({"compress", "field:ball", "x.hbv", "--levels-per-axis", levels}, 2, "--levels-per-axis");
+  expectFailureLeavesAll({"compress", "field:ball", "x.hbv", "--level", "3", "--levels-per-axis", "3,3,3"}, 2,
+                         "--level");
+  expectFailureLeavesAll({"compress", "field:ball", "x.hbv", "--levels-per-axis", "20,20,20"}, 1, "2^60");
+  expectFailureLeavesAll({"compress", "field:ball", "x.hbv", "--levels-per-axis", "20,20,18", "--memory", "10MB"}, 1,
+                         "memory");
+  expectFailureLeavesAll({"compress", "field:ball", "x.hbv", "--level", "20", "--index-set", "full"}, 1, "2^60");
+}
+
+TEST_F(compress, TakesAFileOfSubspaces) {
+  writeVolume<float>("v.nrrd", {9, 9, 1}, 1, [](auto x, auto y, auto, int) { return double(x * y); });
+  write("set.txt", "# a cross\n1 1 1\n2 1 1\n3 1 1\n1 2 1\n");
+  EXPECT_RUNS(run({"compress", "v.nrrd", "v.hbv", "--index-set", "set.txt"}));
+  const hbSparseGridFile file = read("v.hbv");
+  EXPECT_EQ(file.grid.indexSet().storedValues(), 9 * 3 + 3 * 2);
+  // Bilinear: without error but for the rounding of a handful of surpluses up to 64.
+  EXPECT_LE(file.error->components.at(0).max, 4 * 64 * 0x1p-24);
+  for (const std::vector<std::string>& other :
+       {std::vector<std::string>{"--level", "3"}, {"--levels-per-axis", "3,3,3"}, {"--uncapped"}}) {
+    std::vector<std::string> line{"compress", "v.nrrd", "x.hbv", "--index-set", "set.txt"};
+    line.insert(line.end(), other.begin(), other.end());
+    expectFailureLeavesAll(line, 2, "--index-set");
+  }
+  expectFailureLeavesAll({"compress", "v.nrrd", "x.hbv", "--index-set", "none.txt"}, 1,
+                         "--index-set: expected regular, full or a file, found 'none.txt'");
+  expectFailureLeavesAll({"compress", "v.nrrd", "x.hbv", "--index-set", ""}, 1, "found ''");
+  write("set.txt", "1 1 1\n3 1 1\n");
+  expectFailureLeavesAll({"compress", "v.nrrd", "x.hbv", "--index-set", "set.txt"}, 1,
+                         "set.txt: line 2: expected (2,1,0), which (3,1,0) needs, found no such line");
+  write("set.txt", "1 1 one\n");
+  expectFailureLeavesAll({"compress", "v.nrrd", "x.hbv", "--index-set", "set.txt"}, 1, "set.txt: line 1: expected");
+  write("set.txt", "1 1 1\n1 1 2\n");
+  expectFailureLeavesAll({"compress", "v.nrrd", "x.hbv", "--index-set", "set.txt"}, 1,
+                         "set.txt: line 2: expected level 0 or 1 along z, which has one sample, found 2");
+  write("set.txt", "1 1 0\n2 1 0\n3 1 0\n4 1 0");
+  expectFailureLeavesAll({"compress", "v.nrrd", "x.hbv", "--index-set", "set.txt", "--mapping", "aligned"}, 1,
+                         "levels up to 3 along x");
+}
+
 TEST_F(compress, RefusesSizesBeyondAllBounds) {
   write("raw.bin", "1234");
   expectFailureLeavesAll({"compress", "raw.bin", "x.hbv", "--raw-size", "1048576x1048576x1048576"}, 1, "raw.bin");

@@ -77,6 +77,22 @@ TEST_F(info, VerifiesSparseFilesOnly) {
   EXPECT_FAILS(run({"info", "b.hbv", "--level", "3"}), 1, "--level");
 }
 
+TEST_F(info, PrintsIndexSetsThatCompressReads) {
+  EXPECT_RUNS(run({"compress", "field:smooth,size=33x33x1", "a.hbv", "--levels-per-axis", "4,2,1"}));
+  const hbProgramRun listed = run({"info", "a.hbv", "--index-set", "--stats", "s.json"});
+  EXPECT_RUNS(listed);
+  EXPECT_EQ(listed.out, "# lx ly lz\n1 1 0\n2 1 0\n1 2 0\n3 1 0\n4 1 0\n");
+  EXPECT_EQ(json("s.json")["subspaces"], 5 + 7); // and those of level 0
+  write("set.txt", listed.out);
+  EXPECT_RUNS(run({"compress", "field:smooth,size=33x33x1", "b.hbv", "--index-set", "set.txt"}));
+  EXPECT_EQ(run({"info", "b.hbv", "--index-set"}).out, listed.out);
+  EXPECT_EQ(run({"info", "field:smooth", "--index-set", "--level", "1"}).out, "# lx ly lz\n1 1 1\n");
+  EXPECT_FAILS(run({"info", "field:smooth", "--index-set"}), 1, "field:smooth: --index-set expects an .hbv file");
+  EXPECT_FAILS(run({"info", "a.hbv", "--index-set", "--level", "1"}), 1, "--level");
+  for (const char* other : {"--json", "--verify", "--histogram"})
+    EXPECT_FAILS(run({"info", "a.hbv", "--index-set", other}), 2, other);
+}
+
 TEST_F(info, RefusesLevelsThereAreNot) {
   for (const char* level : {"0", "-1", "99", "three"})
     expectFailureLeavesAll({"info", "field:ball", "--level", level}, 2, "--level");

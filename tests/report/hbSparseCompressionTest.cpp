@@ -33,46 +33,21 @@ hbInput roughInput(const hbSize3& size, int components = 1) {
 
 hbInput fieldInput(const std::string& name) { return hbInput::open("field:" + name, {}); }
 
-hbIndexSet setFor(const hbInput& input, int level, bool uncapped = false, bool full = false) {
-  hbSparseCompression how;
-  how.level = level;
-  how.uncapped = uncapped;
-  how.fullSet = full;
-  return how.indexSet(input);
-}
-
 } // namespace
-
-TEST(hbSparseCompression, ChoosesTheIndexSet) {
-  const hbInput volume = roughInput({33, 10, 1});
-  // No level: the one that resolves the longest axis, other axes no finer than theirs.
-  EXPECT_EQ(setFor(volume, 0).finest(), glm::ivec3(5, 4, 0));
-  EXPECT_EQ(setFor(volume, 0).number(), 5);
-  EXPECT_EQ(setFor(volume, 3).finest(), glm::ivec3(3, 3, 0));
-  EXPECT_EQ(setFor(volume, 8).finest(), glm::ivec3(5, 4, 0)); // of a level beyond, only what resolves the samples
-  EXPECT_EQ(setFor(volume, 8, true).finest(), glm::ivec3(8, 8, 0));
-  EXPECT_EQ(setFor(volume, 0, false, true).storedValues(), 33 * 17);
-  EXPECT_EQ(setFor(volume, 2, false, true).storedValues(), 5 * 5);
-  // Two samples are two nodes at any level, one sample is level 1 of nothing.
-  EXPECT_EQ(setFor(roughInput({2, 2, 2}), 4, true).storedValues(), 8);
-  EXPECT_EQ(setFor(roughInput({1, 1, 1}), 0).storedValues(), 1);
-  // A field at a level is the paper's grid; without, it is looked at as its samples are.
-  EXPECT_EQ(setFor(fieldInput("smooth"), 8).storedValues(), 21249);
-  EXPECT_EQ(setFor(fieldInput("smooth,size=33x10x1"), 0).finest(), glm::ivec3(5, 4, 0));
-  EXPECT_HB_ERROR(setFor(volume, 21), "level");
-}
 
 TEST(hbSparseCompression, AFieldAtALevelStandsForItsFullGrid) {
   hbSparseCompression how;
-  how.level = 5;
+  how.set.levels = glm::ivec3(5);
   const hbSparseGridFile file = how.compress(fieldInput("smooth,size=9x2x1"));
   EXPECT_EQ(file.grid.geometry().size, hbSize3(33, 2, 1));
   EXPECT_FALSE(file.range); // the field's own is not known
   ASSERT_TRUE(file.error);
   EXPECT_EQ(file.error->components[0].reference, hbErrorRecord::Reference::analyticField);
   EXPECT_EQ(file.error->components[0].points, std::uint64_t(hbSparseCompression::kRandomPoints));
-  how.level = 20;
-  EXPECT_HB_ERROR(how.compress(fieldInput("smooth")), "level up to 19");
+  how.set.levels = {4, 6, 3};
+  EXPECT_EQ(how.compress(fieldInput("smooth,size=9")).grid.geometry().size, hbSize3(17, 65, 9));
+  how.set.levels = glm::ivec3(20);
+  EXPECT_HB_ERROR(how.compress(fieldInput("smooth")), "fewer than 2^60 samples, found 20,20,20");
 }
 
 TEST(hbSparseCompression, RecordsRangeAndSource) {
@@ -103,7 +78,7 @@ TEST(hbSparseCompression, RecordsTheErrorThatIsThere) {
   for (const hbLatticeMapping mapping : {hbLatticeMapping::fitted, hbLatticeMapping::aligned})
     for (const int level : {1, 3}) {
       hbSparseCompression how;
-      how.level = level;
+      how.set.levels = glm::ivec3(level);
       how.mapping = mapping;
       const hbSparseGridFile file = how.compress(input);
       ASSERT_TRUE(file.error);
@@ -135,7 +110,7 @@ TEST(hbSparseCompression, RecordsTheErrorThatIsThere) {
 TEST(hbSparseCompression, SampledErrorsComeCloseToAllOfThem) {
   const hbInput input = roughInput({40, 30, 20});
   hbSparseCompression how;
-  how.level = 3;
+  how.set.levels = glm::ivec3(3);
   const hbErrorRecord::Component all = how.compress(input).error->components[0];
   how.measure = hbSparseCompression::Measure::sampled;
   const hbErrorRecord::Component sampled = how.compress(input).error->components[0];
@@ -165,7 +140,7 @@ TEST(hbSparseCompression, RefusesOrReplacesNonFiniteSamples) {
     std::vector<float> samples(64, 1.0F);
     samples[21] = bad; // inside, no node of level 1
     hbSparseCompression how;
-    how.level = 1;
+    how.set.levels = glm::ivec3(1);
     for (const auto measure : {hbSparseCompression::Measure::automatic, hbSparseCompression::Measure::none}) {
       how.measure = measure;
       how.nonFinite.reset();
@@ -198,7 +173,7 @@ TEST(hbSparseCompression, LargeVolumesAreNotScanned) {
   poke(0, 0, 0, 8.0F);
   poke(3, 5, 7, kNan);
   hbSparseCompression how;
-  how.level = 4;
+  how.set.levels = glm::ivec3(4);
   how.measure = hbSparseCompression::Measure::none;
   const hbSparseGridFile grid = how.compress(hbInput::open(path.string(), {}));
   EXPECT_FALSE(grid.range);
@@ -212,7 +187,7 @@ TEST(hbSparseCompression, LargeVolumesAreNotScanned) {
 
 TEST(hbSparseCompression, ChecksMemoryAndInput) {
   hbSparseCompression how;
-  how.level = 8;
+  how.set.levels = glm::ivec3(8);
   how.memoryLimit = 21249 * 23;
   EXPECT_HB_ERROR(how.compress(fieldInput("smooth")), "memory limit");
   how.memoryLimit = 21249 * 24;
