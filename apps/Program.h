@@ -87,6 +87,10 @@ hbProgress& progress();
 /// Takes the bar off the terminal before something else is written there.
 void clearProgress() noexcept;
 
+/// After this the first Ctrl-C only cancels progress(), however long what is done about it takes; a second one does
+/// what handleInterrupts() says.
+void waitAfterInterrupt();
+
 /// Makes Ctrl-C cancel progress(), and end the process within a second in any case, leaving no temporary file.
 void handleInterrupts();
 

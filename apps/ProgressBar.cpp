@@ -74,11 +74,16 @@ private:
 
 hbProgress* active = nullptr;
 bool onTerminal = false;
+volatile std::sig_atomic_t patient = 0; ///< Whether the first interrupt waits for what is done about it.
 
 // Work that looks at its progress stops at once and tidies up; a library that does not (a decoder, a blocked read) is
 // given most of a second.
 void onInterrupt(int) {
   active->cancel();
+  if (patient != 0) {
+    patient = 0;
+    return;
+  }
   ::signal(SIGALRM, [](int) {
     hb::removeTemporaryFiles();
     constexpr char kText[] = "\nhbvol: error: interrupted; nothing half-written is left\n";
@@ -105,6 +110,8 @@ hbProgress& app::progress() {
   static hbProgress& chosen = ::isatty(STDERR_FILENO) == 1 ? static_cast<hbProgress&>(progressBar()) : silent;
   return chosen;
 }
+
+void app::waitAfterInterrupt() { patient = 1; }
 
 void app::handleInterrupts() {
   active = &progress();

@@ -11,8 +11,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/FitOptions.h"
 #include "apps/IndexSetOptions.h"
 #include "apps/Program.h"
+#include "report/hbFitJson.h"
 #include "report/hbReportJson.h"
 #include "report/hbSparseCompression.h"
 #include "sparsegrid/hbComponentFiles.h"
@@ -28,6 +30,7 @@ struct Options {
   std::vector<std::string> files; ///< IN OUT, or OUT alone with --components
   std::string components;
   app::IndexSetOptions set;
+  app::FitOptions fit;
   hbSparseCompression how;
 };
 
@@ -78,13 +81,29 @@ void print(const std::string& out, const Json& stats, const hbSparseGridFile& fi
                  std::isnan(c.psnr) ? "n/a (one value only)" : fmt::format("{:.2f} dB", c.psnr));
 }
 
+void print(const hbFitReport& fit) {
+  fmt::print("{} on {} samples held out: RMSE {:.6g}, interpolation {:.6g}{}\n", fit.method, fit.heldOut,
+             fit.heldOutErrors.rmse, fit.interpolationHeldOutErrors.rmse,
+             fit.improved ? "" : "; no better, interpolation was kept");
+  fmt::print("fitted to {} samples by {}: RMSE {:.6g}", fit.samples, fit.solver, fit.fitted.rmse);
+  if (fit.loss.kind != hbFitLoss::Kind::none) fmt::print(", {} from {:.3g} on", fit.loss.name(), fit.loss.threshold);
+  if (fit.smoothing > 0.0) fmt::print(", smoothing {:.3g}", fit.smoothing);
+  if (std::isfinite(fit.condition)) fmt::print(", condition about {:.3g}", fit.condition);
+  fmt::print(", {} iterations{}, {:.2f} s\n", fit.iterations,
+             fit.interrupted ? ", interrupted"
+             : fit.converged ? ""
+                             : ", not converged",
+             fit.seconds);
+}
+
 void run(Options& options, const app::CommonOptions& common) {
   const std::string out = options.files.back();
   const auto start = std::chrono::steady_clock::now();
   hbInput input;
   options.how.nonFinite = options.input.nanValue;
   options.how.memoryLimit = common.memoryLimit();
-  const auto build = [&]() -> hbSparseGridFile {
+  if (options.how.fit && options.how.fit->keepBest) app::waitAfterInterrupt();
+  const auto build = [&]() -> hbSparseCompression::Result {
     if (options.components.empty()) {
       input = options.input.open(options.files.front(), common, app::progress());
       return options.how.compress(input, app::progress());
@@ -92,26 +111,32 @@ void run(Options& options, const app::CommonOptions& common) {
     input.name = options.components;
     hbReadOptions read;
     read.memoryLimit = common.memoryLimit();
-    return {hb::readComponentGrids(options.components, read, app::progress()), {}, {}, {}, {}};
+    return {{hb::readComponentGrids(options.components, read, app::progress()), {}, {}, {}, {}}, {}};
   };
-  hbSparseGridFile file = build();
+  auto [file, fits] = build();
   Json provenance{{"program", "hbvol " HBVOL_VERSION},
                   {"source", std::filesystem::path(input.name).filename().string()}};
   if (input.analytic) provenance["field"] = input.analytic->specification();
+  for (const hbFitReport& fit : fits) provenance["fit"].push_back(hb::provenanceOf(fit));
   file.provenance.json = provenance.dump(-1, ' ', true, Json::error_handler_t::replace);
   file.write(out);
 
   Json stats = statistics(file, input.fileBytes, std::filesystem::file_size(out));
   stats["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const hbFitReport& fit : fits) stats["fit"].push_back(hb::toJson(fit));
   print(out, stats, file);
+  for (const hbFitReport& fit : fits) print(fit);
   common.writeStats(stats);
 }
 
-app::Work prepare(Options& options, const app::CommonOptions& common) {
+app::Work prepare(Options& options, const CLI::App& command, const app::CommonOptions& common) {
   checkNames(options);
   common.checkOutputs({options.files.back()});
   options.input.rawLayout();
   options.how.set = options.set.choice();
+  options.how.fit = options.fit.choice(command);
+  if (options.how.fit && !options.components.empty())
+    throw CLI::ValidationError("--fit", "expected samples to fit, found --components");
   return [&] { run(options, common); };
 }
 
@@ -127,6 +152,7 @@ void addCompress(CLI::App& program, const app::CommonOptions& common, app::Work&
       ->required()
       ->type_name("");
   options->set.addTo(*command);
+  options->fit.addTo(*command);
   const std::map<std::string, hbLatticeMapping> mappings{{"fitted", hbLatticeMapping::fitted},
                                                          {"aligned", hbLatticeMapping::aligned}};
   command
@@ -145,5 +171,5 @@ void addCompress(CLI::App& program, const app::CommonOptions& common, app::Work&
                    "samples up to 2^26")
       ->transform(CLI::CheckedTransformer(measures));
   options->input.addReadTo(*command);
-  command->callback([options, &common, &work] { work = prepare(*options, common); });
+  command->callback([options, command, &common, &work] { work = prepare(*options, *command, common); });
 }

@@ -45,7 +45,7 @@ hbSparseGridFile sparseFile(const hbInput& input, const hbComparison& what, int 
     compression.measure = hbSparseCompression::Measure::none;
     compression.nonFinite = what.nonFinite;
     compression.memoryLimit = what.memoryLimit;
-    return compression.compress(input, progress);
+    return compression.compress(input, progress).file;
   }
   // The geometry stays the field's, so that light falls on the same central differences at every level.
   const hbIndexSet set = hbIndexSet::regular(level, hbIndexSet::uncappedAxesOf(input.geometry().size));

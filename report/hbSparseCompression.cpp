@@ -69,14 +69,15 @@ hbErrorRecord hbSparseCompression::errorsOf(const hbInput& input, const hbField&
   return record;
 }
 
-hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgress& progress) const {
+hbSparseCompression::Result hbSparseCompression::compress(const hbInput& original, hbProgress& progress) const {
   if (original.sparse)
     throw hbError(fmt::format("{}: expected a volume or a field, found a sparse grid", original.name));
   const hbInput input = set.inputFor(original);
   const hbIndexSet indexSet = set.indexSet(input);
   // For each node and component 8 bytes while hierarchising and 4 for the surpluses, as much again for the form that
   // errors are measured with, and while they are packed; and something for what is being read.
-  const double need = double(indexSet.storedValues()) * (12.0 + 12.0 * input.components());
+  double need = double(indexSet.storedValues()) * (12.0 + 12.0 * input.components());
+  if (fit) need += fit->bytes(indexSet, input.geometry().size);
   if (need > double(memoryLimit))
     throw hbError(fmt::format("{}: level {} needs about {:.3g} MB, more than the memory limit of {:.3g} MB", input.name,
                               indexSet.number(), need / 0x1p20, double(memoryLimit) / 0x1p20));
@@ -85,19 +86,35 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
   if (mayScan(input)) range = rangeOf(input, progress);
 
   const auto source = input.field(hbEngine::full, nonFinite);
-  const auto interpolate = [&] {
+  // What fails of the data is said of this input.
+  const auto named = [&](const auto& work) {
     try {
-      if (!input.volume) return hbSparseGrid::interpolate(*source, indexSet, mapping, progress);
-      return hbSparseGrid::interpolate(
-          *source, indexSet, mapping, progress,
-          [&](std::int64_t first, std::int64_t last) { input.volume->releasePlanes(first, last); });
+      return work();
     } catch (const hbCancelled&) {
       throw;
     } catch (const hbError& error) {
       throw hbError(fmt::format("{}: {}", input.name, error.what()));
     }
   };
-  hbSparseGridFile file{interpolate(), {}, std::move(range), {}, {}};
+  Result result{{named([&] {
+                   if (!input.volume) return hbSparseGrid::interpolate(*source, indexSet, mapping, progress);
+                   return hbSparseGrid::interpolate(
+                       *source, indexSet, mapping, progress,
+                       [&](std::int64_t first, std::int64_t last) { input.volume->releasePlanes(first, last); });
+                 }),
+                 {},
+                 std::move(range),
+                 {},
+                 {}},
+                {}};
+  hbSparseGridFile& file = result.file;
+  bool interrupted = false;
+  if (fit) {
+    hbFit::Result fitted = named([&] { return fit->run(*source, file.grid, progress); });
+    file.grid = std::move(fitted.grid);
+    result.fits = std::move(fitted.reports);
+    for (const hbFitReport& report : result.fits) interrupted = interrupted || report.interrupted;
+  }
   if (input.volume) {
     input.volume->releasePages();
     file.info.sampleType = input.volume->type();
@@ -105,6 +122,8 @@ hbSparseGridFile hbSparseCompression::compress(const hbInput& original, hbProgre
     file.info.intercept = input.volume->intercept();
     file.info.componentNames = input.volume->componentNames();
   }
-  if (measure != Measure::none) file.error = errorsOf(input, *source, file.grid, progress);
-  return file;
+  // Who asked for the best so far wants its errors, too.
+  if (measure != Measure::none)
+    file.error = errorsOf(input, *source, file.grid, interrupted ? hbProgress::none() : progress);
+  return result;
 }

@@ -38,14 +38,14 @@ hbInput fieldInput(const std::string& name) { return hbInput::open("field:" + na
 TEST(hbSparseCompression, AFieldAtALevelStandsForItsFullGrid) {
   hbSparseCompression how;
   how.set.levels = glm::ivec3(5);
-  const hbSparseGridFile file = how.compress(fieldInput("smooth,size=9x2x1"));
+  const hbSparseGridFile file = how.compress(fieldInput("smooth,size=9x2x1")).file;
   EXPECT_EQ(file.grid.geometry().size, hbSize3(33, 2, 1));
   EXPECT_FALSE(file.range); // the field's own is not known
   ASSERT_TRUE(file.error);
   EXPECT_EQ(file.error->components[0].reference, hbErrorRecord::Reference::analyticField);
   EXPECT_EQ(file.error->components[0].points, std::uint64_t(hbSparseCompression::kRandomPoints));
   how.set.levels = {4, 6, 3};
-  EXPECT_EQ(how.compress(fieldInput("smooth,size=9")).grid.geometry().size, hbSize3(17, 65, 9));
+  EXPECT_EQ(how.compress(fieldInput("smooth,size=9")).file.grid.geometry().size, hbSize3(17, 65, 9));
   how.set.levels = glm::ivec3(20);
   EXPECT_HB_ERROR(how.compress(fieldInput("smooth")), "fewer than 2^60 samples, found 20,20,20");
 }
@@ -56,7 +56,7 @@ TEST(hbSparseCompression, RecordsRangeAndSource) {
   volume.setSlopeIntercept(-2.0, 10.0);
   volume.setComponentNames({"u", "v"});
   input = inputOf(volume);
-  const hbSparseGridFile file = hbSparseCompression{}.compress(input);
+  const hbSparseGridFile file = hbSparseCompression{}.compress(input).file;
   EXPECT_EQ(file.info.slope, -2.0);
   EXPECT_EQ(file.info.intercept, 10.0);
   EXPECT_EQ(file.info.sampleType, hbSampleType::float32);
@@ -80,7 +80,7 @@ TEST(hbSparseCompression, RecordsTheErrorThatIsThere) {
       hbSparseCompression how;
       how.set.levels = glm::ivec3(level);
       how.mapping = mapping;
-      const hbSparseGridFile file = how.compress(input);
+      const hbSparseGridFile file = how.compress(input).file;
       ASSERT_TRUE(file.error);
       for (int c = 0; c < 2; ++c) {
         double max = 0.0, sum = 0.0;
@@ -111,16 +111,16 @@ TEST(hbSparseCompression, SampledErrorsComeCloseToAllOfThem) {
   const hbInput input = roughInput({40, 30, 20});
   hbSparseCompression how;
   how.set.levels = glm::ivec3(3);
-  const hbErrorRecord::Component all = how.compress(input).error->components[0];
+  const hbErrorRecord::Component all = how.compress(input).file.error->components[0];
   how.measure = hbSparseCompression::Measure::sampled;
-  const hbErrorRecord::Component sampled = how.compress(input).error->components[0];
+  const hbErrorRecord::Component sampled = how.compress(input).file.error->components[0];
   EXPECT_EQ(sampled.reference, hbErrorRecord::Reference::randomSamples);
   EXPECT_EQ(sampled.points, std::uint64_t(hbSparseCompression::kRandomSamples));
   // 2^20 draws, squared errors of a relative spread below 2: five standard deviations, halved by the root.
   EXPECT_NEAR(sampled.rmse, all.rmse, 0.5 * 5 * 2 / 1024.0 * all.rmse);
   EXPECT_LE(sampled.max, all.max + 2048 * 0x1p-23);
   how.measure = hbSparseCompression::Measure::none;
-  EXPECT_FALSE(how.compress(input).error);
+  EXPECT_FALSE(how.compress(input).file.error);
 }
 
 TEST(hbSparseCompression, NothingLostIsAnInfinitePsnr) {
@@ -146,7 +146,7 @@ TEST(hbSparseCompression, RefusesOrReplacesNonFiniteSamples) {
       how.nonFinite.reset();
       EXPECT_HB_ERROR(how.compress(inputOf(hbVolume::fromSamples(g, samples))), "the volume: expected finite samples");
       how.nonFinite = 5.0;
-      const hbSparseGridFile file = how.compress(inputOf(hbVolume::fromSamples(g, samples)));
+      const hbSparseGridFile file = how.compress(inputOf(hbVolume::fromSamples(g, samples))).file;
       EXPECT_EQ(file.range->components[0], (hbRangeRecord::Component{1.0, 5.0}));
       EXPECT_EQ(file.error.has_value(), measure == hbSparseCompression::Measure::automatic);
     }
@@ -154,7 +154,7 @@ TEST(hbSparseCompression, RefusesOrReplacesNonFiniteSamples) {
   // Nothing finite at all.
   hbSparseCompression how;
   how.nonFinite = 2.0;
-  const hbSparseGridFile file = how.compress(inputOf(hbVolume::fromSamples(g, std::vector<float>(64, kNan))));
+  const hbSparseGridFile file = how.compress(inputOf(hbVolume::fromSamples(g, std::vector<float>(64, kNan)))).file;
   EXPECT_EQ(file.range->components[0], (hbRangeRecord::Component{2.0, 2.0}));
   EXPECT_EQ(file.grid.calcValue({0.3, 0.4, 0.5}, 0), 2.0);
 }
@@ -175,7 +175,7 @@ TEST(hbSparseCompression, LargeVolumesAreNotScanned) {
   hbSparseCompression how;
   how.set.levels = glm::ivec3(4);
   how.measure = hbSparseCompression::Measure::none;
-  const hbSparseGridFile grid = how.compress(hbInput::open(path.string(), {}));
+  const hbSparseGridFile grid = how.compress(hbInput::open(path.string(), {})).file;
   EXPECT_FALSE(grid.range);
   EXPECT_EQ(grid.grid.calcValue({0, 0, 0}, 0), 8.0);
   EXPECT_EQ(grid.grid.calcValue({1, 1, 0.5}, 0), 0.0);

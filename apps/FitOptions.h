@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "fitting/hbFit.h"
+
+namespace CLI {
+class App;
+} // namespace CLI
+
+namespace app {
+
+/// The options of `compress` that say how the grid is fitted to the samples.
+struct FitOptions {
+  std::string method = "interpolation";
+  hbFit fit; ///< Everything but the method.
+
+  void addTo(CLI::App& subcommand);
+
+  /// What they ask for; none: interpolation. Throws CLI::ValidationError where options do not go together.
+  std::optional<hbFit> choice(const CLI::App& subcommand) const;
+};
+
+} // namespace app
