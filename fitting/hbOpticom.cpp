@@ -267,8 +267,9 @@ private:
     const Matrix triangle = triangleOf(rows_, progress);
     condition_ = conditionOf(triangle);
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
-    // What a coefficient's change by 1 moves less is lost where engines add up in 32 bits.
-    const double least = 0x1p-24 * triangle.colwise().norm().maxCoeff();
+    // Samples of 32 bits are off by up to half a unit in the last place, differences of two interpolants by twice that.
+    const double columns = std::sqrt(double(rows_.cols()));
+    const double least = 0x1p-24 * columns * triangle.colwise().norm().maxCoeff();
     const Vector& singular = svd.singularValues();
     Eigen::Index count = 0;
     while (count < singular.size() && singular[count] > least) ++count;
@@ -354,10 +355,12 @@ double hbOpticom::bytes(const hbIndexSet& set, std::int64_t samples) {
   double largest = 0.0;
   for (const auto& one : grids)
     largest = std::max(largest, double(one.nodes.x) * double(one.nodes.y) * double(one.nodes.z));
-  // Twice the matrix, ours and the solver's. What the solver keeps of each sample beside it was measured.
-  constexpr double kPerSample = 320.0;
-  const double matrices = double(samples) * (2.0 * double(sizeof(double)) * double(grids.size()) + kPerSample);
-  return matrices + double(sizeof(double)) * (double(set.storedValues()) + largest);
+  // Twice the matrix, ours and the solver's. What the solver keeps of each sample beside it was measured: 230 bytes.
+  constexpr double kPerSample = 320.0, kValue = double(sizeof(double));
+  const double columns = double(grids.size());
+  const double blocks = double(kRows) * hb::parallelThreads() + columns * std::ceil(double(samples) / double(kRows));
+  return double(samples) * (2.0 * kValue * columns + kPerSample) + blocks * columns * kValue +
+         kValue * (double(set.storedValues()) + largest);
 }
 
 std::vector<double> hbOpticom::surpluses(const hbSparseGrid& grid, int component,

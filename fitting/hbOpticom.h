@@ -37,8 +37,8 @@ struct hbOpticom {
     bool converged = false;           ///< The threshold, too.
     bool interrupted = false;         ///< `progress` was cancelled: the best so far.
     hbFitLoss loss;                   ///< With the threshold of the last round.
-    /// Of the coefficients' directions, those that move the values on the samples by more than they are rounded. Along
-    /// others the coefficients stay those of interpolation.
+    /// Of the coefficients' directions, those that move the values on the samples by more than their rounding to 32
+    /// bits does. Along others the coefficients stay those of interpolation.
     int determined = 0;
     /// Estimate of the condition number of the matrix of the P_l f(x_j), less those of the first grid (but in its own
     /// column), columns scaled to one norm; infinite where one is 0.
@@ -49,7 +49,8 @@ struct hbOpticom {
   /// Throws hbError where a sample is not finite. O(samples x grids^2) an iteration, one for the plain loss.
   Solution solve(hbProgress& progress = hbProgress::none()) const;
 
-  /// The memory that solve() takes with so many samples used, in bytes, but for a plane of samples a thread.
+  /// The memory that solve() takes with so many samples used, on the threads there are, in bytes; a plane of samples a
+  /// thread comes on top.
   static double bytes(const hbIndexSet& set, std::int64_t samples);
 
   /// The surpluses of the combination with those coefficients, in the order of grid.indexSet().subspaces(): those of
