@@ -340,7 +340,7 @@ TEST(hbOpticom, InterruptedGivesTheBestSoFar) {
 }
 
 TEST(hbOpticom, TakesNoMoreMemoryThanItSays) {
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizer's own memory is not in the estimate";
 #endif
   const hbFitCase fit = spoilt({65, 65, 65}, 5);
