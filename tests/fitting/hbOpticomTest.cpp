@@ -348,7 +348,7 @@ TEST(hbOpticom, TakesNoMoreMemoryThanItSays) {
   const hbFitSamples samples = fit.samples();
   for (const hbFitLoss& loss : {hbFitLoss{}, kHuber}) {
     hbMemoryMonitor monitor;
-    const Solution found = hbOpticom{grid, 0, samples, loss, 60000}.solve();
+    const Solution found = hbOpticom{grid, 0, samples, loss, 30000}.solve();
     EXPECT_LE(double(monitor.growth()), hbOpticom::bytes(fit.set, found.samples));
   }
 }
