@@ -10,6 +10,7 @@
 #include "glcombine/hbOglRoundingBounds.h"
 #include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbTestScenes.h"
+#include "tests/sparsegrid/hbTestSets.h"
 
 using namespace hbTestScenes;
 
@@ -253,6 +254,13 @@ TEST_P(hbOglFusedTest, FlatTwoNodeAndCappedAxes) {
     some.erase(some.begin(), some.end() - 6); // perspective: oblique ones from outside, and those from inside
     EXPECT_GT(expectTheReference(gridOf(g, 4, {waves}), some), 100);
   }
+}
+
+TEST_P(hbOglFusedTest, SetsThatAreNotRegular) {
+  const hbGeometry g = box({9, 9, 9}, {1.0, 0.8, 0.6});
+  std::vector<hbCamera> some = cameras(g);
+  some.erase(some.begin(), some.end() - 3);
+  EXPECT_GT(expectTheReference(gridOf(g, hbTestSets::uneven(), {waves}), some), 50);
 }
 
 TEST_P(hbOglFusedTest, AlignedLatticesAndSeveralComponents) {

@@ -114,6 +114,7 @@ TEST(hbOglSparseGrid, FloatsAreTheCombinationUpToRounding) {
   const hbGlCurrent current(*context);
   const hbIndexSet sets[] = {hbIndexSet::regular(5, {}), hbIndexSet::regular(3, {{20, 20, 0}, {false, false, true}}),
                              hbIndexSet::regular(4, {{2, 20, 0}, {false, false, false}}),
+                             hbIndexSet::anisotropic({5, 2, 3}, {}), hbTestSets::uneven(),
                              // 2049 nodes, one more than Mesa's software renderer has texels along an axis.
                              hbIndexSet::regular(11, {{20, 0, 0}, {false, false, false}})};
   std::vector<hbCombinationSparseGrid> grids{alignedGrid()};

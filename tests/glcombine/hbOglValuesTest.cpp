@@ -82,6 +82,13 @@ TEST_P(hbOglValuesTest, AgreeForEveryKindOfAxisAndMapping) {
       }
 }
 
+TEST_P(hbOglValuesTest, AgreeForSetsThatAreNotRegular) {
+  for (const hbIndexSet& set :
+       {hbIndexSet::anisotropic({6, 2, 4}, {}), hbIndexSet::anisotropic({1, 3, 5}, {}), hbTestSets::uneven()})
+    for (const hbLatticeMapping mapping : {hbLatticeMapping::fitted, hbLatticeMapping::aligned})
+      expectTheReference(gridOf(set, mapping));
+}
+
 TEST_P(hbOglValuesTest, TakeTheComponentAskedFor) {
   hbGeometry geometry;
   geometry.size = {3, 3, 2};

@@ -17,6 +17,7 @@
 #include "sparsegrid/hbCombinationSparseGrid.h"
 #include "sparsegrid/hbRoundingBounds.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
+#include "tests/sparsegrid/hbTestSets.h"
 #include "volume/fields/hbAnalyticField.h"
 #include "volume/hbError.h"
 #include "volume/hbVolumeField.h"
@@ -425,24 +426,26 @@ TEST(hbRaycaster, ASliceAtAFaceIsTheFace) {
 }
 
 TEST(hbRaycaster, EveryEngineGivesTheSamePictures) {
-  const hbIndexSet set = hbIndexSet::regular(5, {});
-  const hbSparseGrid grid =
-      hbSparseGrid::interpolate(*hbAnalyticField::create("vortex,size=33"), set, hbLatticeMapping::fitted);
-  const hbCombinationSparseGrid combination(grid);
-  double largest = 0.0;
-  for (const double v : grid.nodalValues(0)) largest = std::max(largest, std::abs(v));
-  const hbSemiNodalGrid semiNodal(grid);
-  const double direct = hb::directBound(grid);
-  const std::array<std::pair<const hbField*, double>, 2> others{
-      {{&combination, direct + hb::combinationBound(set, largest)}, {&semiNodal, direct + hb::semiNodalBound(grid)}}};
-  for (const auto& [other, bound] : others)
-    for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
-      const hbScene scene = sceneOf(mode, 32);
-      const hbPicture a = hbRaycaster(grid, scene).render(), b = hbRaycaster(*other, scene).render();
-      const double longest = mode == hbMode::xray ? std::sqrt(3.0) : 1.0;
-      for (std::size_t i = 0; i < channel(a, "Y").size(); ++i)
-        ASSERT_NEAR(channel(a, "Y")[i], channel(b, "Y")[i], bound * longest);
-    }
+  for (const hbIndexSet& set :
+       {hbIndexSet::regular(5, {}), hbIndexSet::anisotropic({5, 2, 4}, {}), hbTestSets::uneven()}) {
+    const hbSparseGrid grid =
+        hbSparseGrid::interpolate(*hbAnalyticField::create("vortex,size=33"), set, hbLatticeMapping::fitted);
+    const hbCombinationSparseGrid combination(grid);
+    double largest = 0.0;
+    for (const double v : grid.nodalValues(0)) largest = std::max(largest, std::abs(v));
+    const hbSemiNodalGrid semiNodal(grid);
+    const double direct = hb::directBound(grid);
+    const std::array<std::pair<const hbField*, double>, 2> others{
+        {{&combination, direct + hb::combinationBound(set, largest)}, {&semiNodal, direct + hb::semiNodalBound(grid)}}};
+    for (const auto& [other, bound] : others)
+      for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
+        const hbScene scene = sceneOf(mode, 32);
+        const hbPicture a = hbRaycaster(grid, scene).render(), b = hbRaycaster(*other, scene).render();
+        const double longest = mode == hbMode::xray ? std::sqrt(3.0) : 1.0;
+        for (std::size_t i = 0; i < channel(a, "Y").size(); ++i)
+          ASSERT_NEAR(channel(a, "Y")[i], channel(b, "Y")[i], bound * longest);
+      }
+  }
 }
 
 TEST(hbRaycaster, ThePictureDoesNotDependOnTheNumberOfThreads) {

@@ -8,6 +8,7 @@
 #include "raycast/hbShearReference.h"
 #include "sparsegrid/hbRoundingBounds.h"
 #include "tests/raycast/hbTestScenes.h"
+#include "tests/sparsegrid/hbTestSets.h"
 #include "volume/hbError.h"
 
 using namespace hbTestScenes;
@@ -68,6 +69,18 @@ TEST(hbShearWarp, XrayAndMipAreTheReference) {
         if (testing::Test::HasFailure()) return;
       }
     EXPECT_GT(covered, 14 * 11 * 10);
+  }
+}
+
+TEST(hbShearWarp, SetsThatAreNotRegularAreTheReference) {
+  const hbGeometry g = box({9, 9, 9}, {1.0, 0.8, 0.6});
+  for (const hbIndexSet& set : {hbIndexSet::anisotropic({3, 1, 2}, {}), hbTestSets::uneven()}) {
+    const hbSparseGrid grid = gridOf(g, set, {waves});
+    for (const hbCamera& camera : cameras(g))
+      for (const hbMode mode : {hbMode::xray, hbMode::mip}) {
+        expectReference(grid, sceneOf(mode, camera));
+        if (testing::Test::HasFailure()) return;
+      }
   }
 }
 

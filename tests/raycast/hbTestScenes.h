@@ -20,7 +20,7 @@ namespace hbTestScenes {
 using Projection = hbCamera::Projection;
 
 /// The grid through the values of a function at the nodes of a box, given with its geometry.
-inline hbSparseGrid gridOf(const hbGeometry& geometry, int level,
+inline hbSparseGrid gridOf(const hbGeometry& geometry, const hbIndexSet& set,
                            const std::vector<std::function<double(const glm::dvec3&)>>& components) {
   std::vector<double> samples;
   const std::vector<double> xs = geometry.cubeCoordinates(0), ys = geometry.cubeCoordinates(1),
@@ -30,8 +30,12 @@ inline hbSparseGrid gridOf(const hbGeometry& geometry, int level,
       for (const double x : xs)
         for (const auto& f : components) samples.push_back(f({x, y, z}));
   const hbVolumeField field(hbVolume::fromSamples(geometry, std::move(samples), int(components.size())));
-  return hbSparseGrid::interpolate(field, hbIndexSet::regular(level, hbIndexSet::axesOf(geometry.size)),
-                                   hbLatticeMapping::fitted);
+  return hbSparseGrid::interpolate(field, set, hbLatticeMapping::fitted);
+}
+/// The same with the regular set of a level.
+inline hbSparseGrid gridOf(const hbGeometry& geometry, int level,
+                           const std::vector<std::function<double(const glm::dvec3&)>>& components) {
+  return gridOf(geometry, hbIndexSet::regular(level, hbIndexSet::axesOf(geometry.size)), components);
 }
 
 inline double waves(const glm::dvec3& p) {

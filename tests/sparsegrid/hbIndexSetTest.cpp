@@ -161,6 +161,13 @@ RC_GTEST_PROP(hbIndexSet, EverySubspaceIsCountedOnceByTheCombination, ()) {
   }
 }
 
+// An index's coefficient is that of the part of a cube's corners that is in the set, which is closed, too.
+RC_GTEST_PROP(hbIndexSet, CoefficientsAreFromMinusTwoToOne, ()) {
+  const hbIndexSet set = *hbTestSets::any();
+  for (const auto& grid : set.componentGrids())
+    RC_ASSERT(grid.coefficient == -2 || grid.coefficient == -1 || grid.coefficient == 1);
+}
+
 RC_GTEST_PROP(hbIndexSet, LevelsHoldEverySubspaceInOrder, ()) {
   const hbIndexSet set = *hbTestSets::any();
   std::size_t next = 0;

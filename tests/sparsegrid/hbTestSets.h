@@ -44,6 +44,12 @@ inline rc::Gen<hbIndexSet> closed() {
   });
 }
 
+/// One of those, for pictures: neither regular nor anisotropic, level 3 on all axes, and unlike in each of their
+/// orders.
+inline hbIndexSet uneven() {
+  return hbIndexSet::enclosing({{3, 2, 1}, {1, 3, 1}, {1, 1, 3}, {2, 1, 2}}, glm::bvec3(false), "uneven");
+}
+
 /// A full set, a regular or anisotropic one, capped by its axes, or any that is closed downwards.
 inline rc::Gen<hbIndexSet> any() {
   const auto levels = rc::gen::tuple(number(1, 7), number(1, 7), number(1, 7));
