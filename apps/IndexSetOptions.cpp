@@ -47,12 +47,13 @@ void app::IndexSetOptions::addTo(CLI::App& subcommand) {
       ->type_name("regular|full|FILE");
 }
 
-hbSetChoice app::IndexSetOptions::choice() const {
-  const glm::ivec3 levels = level > 0 ? glm::ivec3(level) : levelsPerAxis;
-  const bool isFull = set == "full";
-  if (isFull || set == "regular") return {levels, isFull, uncapped, {}};
-  if (levels != glm::ivec3(0) || uncapped)
+void app::IndexSetOptions::check() const {
+  if (isFile() && (level > 0 || levelsPerAxis != glm::ivec3(0) || uncapped))
     throw CLI::ValidationError("--index-set", "expected no --level, --levels-per-axis or --uncapped beside a file");
+}
+
+hbSetChoice app::IndexSetOptions::choice() const {
+  if (!isFile()) return {level > 0 ? glm::ivec3(level) : levelsPerAxis, set == "full", uncapped, {}};
   if (!std::filesystem::exists(set))
     throw hbError(fmt::format("--index-set: expected regular, full or a file, found '{}'", set));
   return {glm::ivec3(0), false, false, hbIndexSetFile::load(set)};

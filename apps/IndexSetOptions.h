@@ -21,9 +21,13 @@ struct IndexSetOptions {
 
   void addTo(CLI::App& subcommand);
 
-  /// What they ask for. Throws hbError where the file cannot be read or is no index set, CLI::ValidationError where
-  /// options do not go together with one.
+  /// Throws CLI::ValidationError where there are options that do not go together with a file.
+  void check() const;
+  /// What they ask for; reads the file. Throws hbError where it cannot be read or lists no subspaces.
   hbSetChoice choice() const;
+
+private:
+  bool isFile() const { return set != "regular" && set != "full"; }
 };
 
 } // namespace app

@@ -100,6 +100,7 @@ void run(Options& options, const app::CommonOptions& common) {
   const std::string out = options.files.back();
   const auto start = std::chrono::steady_clock::now();
   hbInput input;
+  options.how.set = options.set.choice();
   options.how.nonFinite = options.input.nanValue;
   options.how.memoryLimit = common.memoryLimit();
   if (options.how.fit && options.how.fit->keepBest) app::waitAfterInterrupt();
@@ -133,7 +134,7 @@ app::Work prepare(Options& options, const CLI::App& command, const app::CommonOp
   checkNames(options);
   common.checkOutputs({options.files.back()});
   options.input.rawLayout();
-  options.how.set = options.set.choice();
+  options.set.check();
   options.how.fit = options.fit.choice(command);
   if (options.how.fit && !options.components.empty())
     throw CLI::ValidationError("--fit", "expected samples to fit, found --components");
