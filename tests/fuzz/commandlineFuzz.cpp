@@ -1,6 +1,7 @@
 // Command lines, as far as they are checked before anything is opened. The first byte chooses the command, the lines
 // after it are its arguments: i info, g generate, c compress, e extract, r render, p probe, d diff; w: the lines are
-// the whole command line; s: the options of a scene, which is made; m: the limits of metrics, which are applied.
+// the whole command line; s: the options of a scene, which is made; m: the limits of metrics, which are applied; x: the
+// text of an index set.
 
 #include <cmath>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "apps/MetricLimits.h"
 #include "apps/Program.h"
 #include "apps/SceneOptions.h"
+#include "sparsegrid/hbIndexSetFile.h"
 #include "tests/fuzz/fuzz.h"
 #include "volume/fields/hbCavitySpecification.h"
 
@@ -85,6 +87,16 @@ void parseLimits(const std::vector<std::string>& arguments) {
       {{"max", 0.5}, {"rmse", nullptr}, {"psnr", nullptr}, {"ssim", nullptr}, {"luv_mean", 2.0}, {"luv_max", 3.0}});
 }
 
+/// A set that is read is the one that its own text gives.
+void parseIndexSet(std::string_view text) {
+  const hbIndexSetFile file = hbIndexSetFile::fromText(text, "set.txt");
+  for (const hbSize3& size : {hbSize3(33, 9, 5), hbSize3(9, 2, 1)})
+    fuzz::allowErrors([&] {
+      const std::string written = hbIndexSetFile::text(file.indexSet(size));
+      fuzz::expect(hbIndexSetFile::text(hbIndexSetFile::fromText(written, "again").indexSet(size)) == written);
+    });
+}
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -108,6 +120,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       parseScene(arguments);
     else if (data[0] == 'm')
       parseLimits(arguments);
+    else if (data[0] == 'x')
+      parseIndexSet({reinterpret_cast<const char*>(data) + 1, size - 1});
   });
   return 0;
 }
