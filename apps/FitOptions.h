@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "fitting/hbFit.h"
 
@@ -13,8 +12,8 @@ namespace app {
 
 /// The options of `compress` that say how the grid is fitted to the samples.
 struct FitOptions {
-  std::string method = "interpolation";
-  hbFit fit; ///< Everything but the method.
+  std::optional<hbFit::Method> method; ///< None: interpolation.
+  hbFit fit;                           ///< Everything but the method.
 
   void addTo(CLI::App& subcommand);
 

@@ -1,6 +1,8 @@
 #include "fitting/hbFit.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include "fitting/hbFitErrors.h"
 #include "fitting/hbFitSamples.h"
 #include "fitting/hbLeastSquaresFit.h"
+#include "fitting/hbOpticom.h"
 #include "fitting/hbSampleOperator.h"
 #include "volume/hbError.h"
 
@@ -16,10 +19,13 @@ namespace {
 
 using Surpluses = std::vector<double>;
 
-/// Rounded as they are stored.
-Surpluses rounded(const Surpluses& surpluses) {
-  const std::vector<float> stored(surpluses.begin(), surpluses.end());
-  return {stored.begin(), stored.end()};
+/// To multiples of `step`, and to floats, as they are stored.
+Surpluses rounded(const Surpluses& surpluses, double step) {
+  Surpluses stored(surpluses.size());
+  std::transform(surpluses.begin(), surpluses.end(), stored.begin(), [step](double surplus) {
+    return double(float(step > 0.0 ? step * std::nearbyint(surplus / step) : surplus));
+  });
+  return stored;
 }
 
 /// From field values to data values.
@@ -37,8 +43,8 @@ class ComponentFit {
 public:
   ComponentFit(const hbFit& how, const hbField& source, const hbSparseGrid& grid, int component, hbProgress& progress)
       : how_(how), set_(grid.indexSet()), samples_(source, grid, component),
-        values_(set_, {samples_.coordinates(0), samples_.coordinates(1), samples_.coordinates(2)}),
-        interpolation_(grid.surpluses(component).begin(), grid.surpluses(component).end()),
+        values_(set_, {samples_.coordinates(0), samples_.coordinates(1), samples_.coordinates(2)}), grid_(grid),
+        component_(component), interpolation_(grid.surpluses(component).begin(), grid.surpluses(component).end()),
         scale_(grid.valueMap().scale), progress_(progress) {}
 
   /// The surpluses, those of interpolation where the fit is no better.
@@ -46,9 +52,10 @@ public:
     const auto start = std::chrono::steady_clock::now();
     report_.samples = samples_.fittedCount();
     report_.heldOut = samples_.heldOutCount();
-    Surpluses fitted = rounded(leastSquares());
+    const Surpluses exact = how_.method == hbFit::Method::opticom ? opticom() : leastSquares();
     if (report_.interrupted && !how_.keepBest) throw hbCancelled();
-    const hbFitErrors errors = errorsOf(fitted), interpolated = errorsOf(interpolation_);
+    auto [fitted, errors] = shortened(exact);
+    const hbFitErrors interpolated = errorsOf(interpolation_);
     report_.fitted = errors.fitted;
     report_.heldOutErrors = errors.heldOut;
     report_.interpolationFitted = interpolated.fitted;
@@ -62,6 +69,37 @@ public:
 private:
   hbFitErrors errorsOf(const Surpluses& surpluses) const {
     return hbFitErrors::of(samples_, values_, surpluses, report_.loss);
+  }
+
+  /// Rounded to multiples of the greatest power of two that hardly shows in what the fit is judged by: zeros at the end
+  /// of surpluses pack, digits that say nothing do not.
+  std::pair<Surpluses, hbFitErrors> shortened(const Surpluses& exact) const {
+    Surpluses stored = rounded(exact, 0.0);
+    hbFitErrors errors = errorsOf(stored);
+    const double most = errors.heldOut.cost * (1.0 + hbFit::kRoundingShare);
+    double step = std::exp2(std::floor(std::log2(errors.heldOut.rmse)));
+    for (int halving = 0; halving < 10 && errors.heldOut.rmse > 0.0; ++halving, step *= 0.5) {
+      Surpluses shorter = rounded(exact, step);
+      hbFitErrors its = errorsOf(shorter);
+      if (its.heldOut.cost <= most) return {std::move(shorter), std::move(its)};
+    }
+    return {std::move(stored), std::move(errors)};
+  }
+
+  Surpluses opticom() {
+    hbOpticom fit{grid_, component_, samples_, {how_.loss, how_.threshold.value_or(0.0) / scale_}};
+    const hbOpticom::Solution solution = fit.solve(progress_);
+    report_.method = "opticom";
+    report_.solver = "ceres";
+    report_.loss = solution.loss;
+    report_.samples = solution.samples;
+    report_.unknowns = std::int64_t(solution.coefficients.size());
+    report_.iterations = solution.iterations;
+    report_.rounds = solution.rounds;
+    report_.converged = solution.converged;
+    report_.interrupted = solution.interrupted;
+    report_.condition = solution.condition;
+    return hbOpticom::surpluses(grid_, component_, solution.coefficients);
   }
 
   Surpluses leastSquares() {
@@ -91,6 +129,8 @@ private:
   const hbIndexSet& set_;
   hbFitSamples samples_;
   hbSampleOperator values_;
+  const hbSparseGrid& grid_;
+  int component_;
   Surpluses interpolation_;
   double scale_;
   hbProgress& progress_;
@@ -100,7 +140,12 @@ private:
 } // namespace
 
 double hbFit::bytes(const hbIndexSet& set, const hbSize3& samples) const {
-  return 3.0 * 8.0 * double(set.storedValues()) + hbConjugateGradientSolver::bytes(set, samples, loss);
+  const double solving =
+      method == Method::opticom
+          ? hbOpticom::bytes(set, std::min(hbOpticom::kMostSamples, samples.x * samples.y * samples.z))
+          : hbConjugateGradientSolver::bytes(set, samples, loss);
+  // The surpluses found, those rounded, and those of interpolation.
+  return 4.0 * 8.0 * double(set.storedValues()) + solving;
 }
 
 hbFit::Result hbFit::run(const hbField& source, const hbSparseGrid& interpolated, hbProgress& progress) const {

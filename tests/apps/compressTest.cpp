@@ -169,6 +169,91 @@ TEST_F(compress, TakesRawSamplesAsTold) {
     EXPECT_NEAR(file.grid.calcValue({1.0, 0.5, 0.75}, c), 1000 * (c + 1) + 100 + 10 + 3, 8 * 4096 * 0x1p-24);
 }
 
+// Rough data, whose nodes say little of the samples between them.
+TEST_F(compress, FitsAllSamples) {
+  writeVolume<std::uint8_t>("v.nrrd", {33, 33, 17}, 1, [](auto x, auto y, auto z, int) {
+    return 100.0 + 50.0 * std::sin(0.2 * double(x + y + z)) + double((x * 97 + y * 57 + z * 31 + x * y * z) % 100);
+  });
+  EXPECT_RUNS(run({"compress", "v.nrrd", "i.hbv", "--level", "4", "--stats", "i.json"}));
+  EXPECT_FALSE(json("i.json").contains("fit"));
+  EXPECT_FALSE(run({"info", "i.hbv", "--json"}).json()["provenance"].contains("fit"));
+  for (const char* method : {"opticom", "least-squares"}) {
+    const hbProgramRun done =
+        run({"compress", "v.nrrd", "f.hbv", "--level", "4", "--fit", method, "--loss", "huber", "--stats", "f.json"});
+    EXPECT_RUNS(done);
+    const auto stats = json("f.json"), fit = stats["fit"].at(0);
+    EXPECT_EQ(stats["stored_values"], json("i.json")["stored_values"]);
+    EXPECT_LT(stats["rmse"], json("i.json")["rmse"]);
+    EXPECT_EQ(fit["method"], method);
+    EXPECT_EQ(fit["loss"], "huber");
+    EXPECT_GT(fit["loss_threshold"], 0.0);
+    EXPECT_EQ(fit["smoothing"].is_null(), std::string_view(method) == "opticom");
+    EXPECT_TRUE(fit["improved"].get<bool>());
+    EXPECT_TRUE(fit["converged"].get<bool>());
+    EXPECT_EQ(fit["samples"].get<int>() + fit["held_out"].get<int>(), 33 * 33 * 17);
+    EXPECT_LT(fit["held_out_rmse"], fit["interpolation_held_out_rmse"]);
+    EXPECT_GE(fit["condition_estimate"], 1.0);
+    for (const char* figure : {"unknowns", "iterations", "rounds", "residual_rmse", "held_out_cost", "seconds"})
+      EXPECT_GT(fit[figure], 0.0) << figure;
+    EXPECT_NE(done.out.find("samples held out: RMSE"), std::string::npos) << done.out;
+    const auto provenance = run({"info", "f.hbv", "--json"}).json()["provenance"]["fit"].at(0);
+    EXPECT_EQ(provenance["method"], method);
+    EXPECT_EQ(provenance["held_out_rmse"], fit["held_out_rmse"]);
+    EXPECT_FALSE(provenance.contains("seconds"));
+  }
+}
+
+TEST_F(compress, KeepsInterpolationWhereAFitIsNoBetter) {
+  writeVolume<float>("v.nrrd", {9, 9, 9}, 1, [](auto x, auto y, auto z, int) { return double(x + 2 * y - z); });
+  EXPECT_RUNS(run({"compress", "v.nrrd", "i.hbv"}));
+  const hbProgramRun done = run({"compress", "v.nrrd", "f.hbv", "--fit", "least-squares", "--stats", "s.json"});
+  EXPECT_RUNS(done);
+  EXPECT_FALSE(json("s.json")["fit"].at(0)["improved"].get<bool>());
+  EXPECT_NE(done.out.find("no better, interpolation was kept"), std::string::npos) << done.out;
+  EXPECT_EQ(json("s.json")["max_error"], 0.0);
+}
+
+TEST_F(compress, RefusesFitsThatAreNone) {
+  writeVolume<float>("v.nrrd", {9, 6, 9}, 1, [](auto x, auto y, auto z, int) { return double(x * y * z % 7); });
+  writeVolume<float>("small.nrrd", {3, 3, 3}, 1, [](auto x, auto, auto, int) { return double(x); });
+  const auto refused = [&](std::vector<std::string> options, int code, const char* words) {
+    std::vector<std::string> arguments{"compress", "v.nrrd", "x.hbv"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    expectFailureLeavesAll(arguments, code, words);
+  };
+  refused({"--fit", "magic"}, 2, "--fit: magic not in {interpolation,opticom,least-squares}");
+  refused({"--loss", "huber"}, 2, "--loss: expected --fit opticom or least-squares beside it");
+  refused({"--fit", "interpolation", "--keep-best"}, 2, "--keep-best: expected --fit");
+  refused({"--fit", "opticom", "--smoothing", "1"}, 2, "--smoothing: expected --fit least-squares");
+  refused({"--fit", "opticom", "--solver", "auto"}, 2, "--solver: expected --fit least-squares");
+  refused({"--fit", "opticom", "--loss-threshold", "1"}, 2, "--loss-threshold: expected --loss huber");
+  refused({"--fit", "opticom", "--loss", "huber", "--loss-threshold", "0"}, 2, "--loss-threshold");
+  refused({"--fit", "least-squares", "--smoothing", "-1"}, 2, "--smoothing");
+  refused({"--fit", "least-squares", "--smoothing", "0"}, 1,
+          "v.nrrd: smoothing: expected more than 0, found 0: along y the grid has more nodes than its 6 samples");
+  refused({"--fit", "least-squares", "--memory", "20kb"}, 1, "more than the memory limit");
+  expectFailureLeavesAll({"compress", "small.nrrd", "x.hbv", "--fit", "opticom"}, 1,
+                         "small.nrrd: fit: expected 64 samples");
+  expectFailureLeavesAll({"compress", "x.hbv", "--components", "v_{i}_{j}_{k}.nrrd", "--fit", "opticom"}, 2, "--fit");
+}
+
+// A threshold far below the noise makes for many rounds.
+TEST_F(compress, InterruptedKeepsTheBestFitOnlyIfAsked) {
+  writeVolume<float>("v.nrrd", {65, 65, 65}, 1,
+                     [](auto x, auto y, auto z, int) { return double((x * 7919 + y * 104729 + z * 1299709) % 1009); });
+  hbProgramRun::Conditions interrupt;
+  interrupt.interrupt = true;
+  std::vector<std::string> arguments{"compress", "v.nrrd", "x.hbv",   "--fit", "least-squares",
+                                     "--loss",   "huber",  "--level", "6",     "--loss-threshold",
+                                     "1e-7"};
+  expectFailureLeavesAll(arguments, 1, "interrupted", interrupt);
+  arguments.insert(arguments.end(), {"--keep-best", "--stats", "s.json"});
+  EXPECT_RUNS(run(arguments, interrupt));
+  EXPECT_TRUE(json("s.json")["fit"].at(0)["interrupted"].get<bool>());
+  EXPECT_TRUE(json("s.json")["rmse"].is_number());
+  EXPECT_EQ(read("x.hbv").grid.geometry().size, hbSize3(65));
+}
+
 TEST_F(compress, ASparseGridIsNoInput) {
   EXPECT_RUNS(run({"compress", "field:ball", "b.hbv", "--level", "2"}));
   expectFailureLeavesAll({"compress", "b.hbv", "x.hbv"}, 1, "sparse grid");

@@ -128,7 +128,7 @@ TEST(hbSparseCompression, NothingLostIsAnInfinitePsnr) {
   g.size = {3, 3, 3};
   const hbErrorRecord::Component error = hbSparseCompression{}
                                              .compress(inputOf(hbVolume::fromSamples(g, std::vector<float>(27, 4.0F))))
-                                             .error->components[0];
+                                             .file.error->components[0];
   EXPECT_EQ(error.max, 0.0);
   EXPECT_EQ(error.psnr, std::numeric_limits<double>::infinity());
 }
@@ -196,7 +196,7 @@ TEST(hbSparseCompression, ChecksMemoryAndInput) {
 
   hbInput sparse;
   sparse.name = "grid";
-  sparse.sparse = std::make_shared<const hbSparseGridFile>(how.compress(fieldInput("smooth")));
+  sparse.sparse = std::make_shared<const hbSparseGridFile>(how.compress(fieldInput("smooth")).file);
   EXPECT_HB_ERROR(how.compress(sparse), "grid: expected a volume or a field, found a sparse grid");
 }
 
