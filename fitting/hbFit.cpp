@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -54,8 +55,8 @@ public:
     report_.heldOut = samples_.heldOutCount();
     const Surpluses exact = how_.method == hbFit::Method::opticom ? opticom() : leastSquares();
     if (report_.interrupted && !how_.keepBest) throw hbCancelled();
-    auto [fitted, errors] = shortened(exact);
-    const hbFitErrors interpolated = errorsOf(interpolation_);
+    Surpluses fitted = shortened(exact, errorsOf(exact).withinThreshold);
+    const hbFitErrors errors = errorsOf(fitted), interpolated = errorsOf(interpolation_);
     report_.fitted = errors.fitted;
     report_.heldOutErrors = errors.heldOut;
     report_.interpolationFitted = interpolated.fitted;
@@ -71,19 +72,17 @@ private:
     return hbFitErrors::of(samples_, values_, surpluses, report_.loss);
   }
 
-  /// Rounded to multiples of the greatest power of two that hardly shows in what the fit is judged by: zeros at the end
-  /// of surpluses pack, digits that say nothing do not.
-  std::pair<Surpluses, hbFitErrors> shortened(const Surpluses& exact) const {
-    Surpluses stored = rounded(exact, 0.0);
-    hbFitErrors errors = errorsOf(stored);
-    const double most = errors.heldOut.cost * (1.0 + hbFit::kRoundingShare);
-    double step = std::exp2(std::floor(std::log2(errors.heldOut.rmse)));
-    for (int halving = 0; halving < 10 && errors.heldOut.rmse > 0.0; ++halving, step *= 0.5) {
-      Surpluses shorter = rounded(exact, step);
-      hbFitErrors its = errorsOf(shorter);
-      if (its.heldOut.cost <= most) return {std::move(shorter), std::move(its)};
+  /// Rounded to multiples of the greatest power of two that hardly shows: zeros at the end of surpluses pack, digits
+  /// that say nothing do not.
+  Surpluses shortened(const Surpluses& exact, double residual) const {
+    const double most = hbFit::kRounding * residual;
+    double step = std::exp2(std::floor(std::log2(residual)));
+    for (int halving = 0; halving < 16 && residual > 0.0; ++halving, step *= 0.5) {
+      Surpluses stored = rounded(exact, step), difference(exact.size());
+      std::transform(stored.begin(), stored.end(), exact.begin(), difference.begin(), std::minus<>());
+      if (values_.rootMeanSquare(difference) <= most) return stored;
     }
-    return {std::move(stored), std::move(errors)};
+    return rounded(exact, 0.0);
   }
 
   Surpluses opticom() {

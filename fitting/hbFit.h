@@ -16,9 +16,10 @@ struct hbFit {
   enum class Method : std::uint8_t { opticom, leastSquares };
   enum class Solver : std::uint8_t { automatic, ceres, conjugateGradient };
 
-  /// Fitted surpluses are rounded to multiples of a power of two, of which the cost on the samples held out grows by no
-  /// more than this share (0.05 % of the RMSE): a file of them has a third of the bytes.
-  static constexpr double kRoundingShare = 1e-3;
+  /// Fitted surpluses are rounded to multiples of a power of two, by which values change by no more than this share of
+  /// the residuals (of a robust loss, of those within the threshold), as roots of mean squares: 0.05 % is added to the
+  /// RMSE, and a file has a third of the bytes.
+  static constexpr double kRounding = 0.03;
 
   Method method = Method::leastSquares;
   hbFitLoss::Kind loss = hbFitLoss::Kind::none;

@@ -12,6 +12,8 @@ struct Plane {
   double squares[2] = {0.0, 0.0}, costs[2] = {0.0, 0.0}; ///< Fitted, held out.
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   std::vector<float> magnitudes;
+  double squaresWithin = 0.0;
+  std::int64_t within = 0;
 };
 
 } // namespace
@@ -33,6 +35,10 @@ hbFitErrors hbFitErrors::of(const hbFitSamples& samples, const hbSampleOperator&
       plane.costs[heldOut ? 1 : 0] += loss.cost(residual);
       plane.lo = std::min(plane.lo, double(data[i]));
       plane.hi = std::max(plane.hi, double(data[i]));
+      if (!heldOut && (loss.kind == hbFitLoss::Kind::none || std::abs(residual) <= loss.threshold)) {
+        plane.squaresWithin += residual * residual;
+        ++plane.within;
+      }
       if (!heldOut && hbFitSamples::isOneIn(oneIn, sample)) plane.magnitudes.push_back(float(std::abs(residual)));
     }
   });
@@ -43,6 +49,8 @@ hbFitErrors hbFitErrors::of(const hbFitSamples& samples, const hbSampleOperator&
       all.squares[k] += plane.squares[k];
       all.costs[k] += plane.costs[k];
     }
+    all.squaresWithin += plane.squaresWithin;
+    all.within += plane.within;
     all.lo = std::min(all.lo, plane.lo);
     all.hi = std::max(all.hi, plane.hi);
     errors.magnitudes.insert(errors.magnitudes.end(), plane.magnitudes.begin(), plane.magnitudes.end());
@@ -50,6 +58,7 @@ hbFitErrors hbFitErrors::of(const hbFitSamples& samples, const hbSampleOperator&
   const double fitted = double(samples.fittedCount()), heldOut = double(samples.heldOutCount());
   errors.fitted = {std::sqrt(all.squares[0] / fitted), all.costs[0] / fitted};
   errors.heldOut = {std::sqrt(all.squares[1] / heldOut), all.costs[1] / heldOut};
+  if (all.within > 0) errors.withinThreshold = std::sqrt(all.squaresWithin / double(all.within));
   errors.lo = all.lo;
   errors.hi = all.hi;
   return errors;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "volume/hbParallel.h"
 
@@ -218,4 +219,13 @@ void hbSampleOperator::applyBoth(std::span<const double> surpluses, const PlaneW
   const std::vector<hbSubspace>& subspaces = set_.subspaces();
   hb::parallelFor(std::int64_t(subspaces.size()),
                   [&](std::int64_t s) { gather(sums, subspaces[std::size_t(s)], out); });
+}
+
+double hbSampleOperator::rootMeanSquare(std::span<const double> surpluses) const {
+  std::vector<double> squares(hats_[1].size());
+  apply(surpluses, [&](std::int64_t z, std::span<double> values) {
+    squares[std::size_t(z)] = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
+  });
+  const double count = double(cell_.size()) * double(hats_[0].size()) * double(hats_[1].size());
+  return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) / count);
 }

@@ -36,6 +36,9 @@ public:
   void applyBoth(std::span<const double> surpluses, const PlaneWork& work, std::span<double> out,
                  const hbProgress& progress = hbProgress::none()) const;
 
+  /// The root of the mean of the squared values at the samples.
+  double rootMeanSquare(std::span<const double> surpluses) const;
+
   /// The memory that applyBoth() takes, in bytes.
   static double bytes(const hbIndexSet& set, const hbSize3& samples);
 
