@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "fitting/hbCeresSolver.h"
 #include "fitting/hbConjugateGradientSolver.h"
 #include "fitting/hbFitErrors.h"
 #include "fitting/hbFitSamples.h"
@@ -37,6 +38,12 @@ void toData(hbFitReport& report, double scale) {
     errors->rmse *= scale;
     errors->cost *= scale * scale;
   }
+}
+
+void refuseBeyond(std::uint64_t limit, double bytes) {
+  if (bytes > double(limit))
+    throw hbError(fmt::format("fit: needs about {:.3g} MB, more than the memory limit of {:.3g} MB", bytes / 0x1p20,
+                              double(limit) / 0x1p20));
 }
 
 /// Fits one component.
@@ -101,18 +108,27 @@ private:
     return hbOpticom::surpluses(grid_, component_, solution.coefficients);
   }
 
+  bool takesCeres() const {
+    if (how_.solver == hbFit::Solver::conjugateGradient) return false;
+    const double need = hbCeresSolver::bytes({samples_, set_, {how_.loss, 1.0}, 1.0});
+    if (how_.solver == hbFit::Solver::automatic) return need <= std::min(hbFit::kCeresBytes, double(how_.memoryLimit));
+    refuseBeyond(how_.memoryLimit, need);
+    return true;
+  }
+
   Surpluses leastSquares() {
     hbLeastSquaresFit fit{how_.loss, {}, how_.smoothing};
     if (how_.threshold) fit.threshold = *how_.threshold / scale_;
-    const hbConjugateGradientSolver solver(samples_, set_);
-    hbLeastSquaresFit::Result result = fit.run(
-        samples_, set_, values_, interpolation_,
-        [&](const hbLeastSquares& problem, std::span<const double> start, double tolerance, hbProgress& progress) {
-          return solver.solve(problem, start, {tolerance}, progress);
-        },
-        progress_);
+    const bool ceres = takesCeres();
+    const hbConjugateGradientSolver own(samples_, set_);
+    const auto solve = [&](const hbLeastSquares& problem, std::span<const double> start, double tolerance,
+                           hbProgress& progress) {
+      return ceres ? hbCeresSolver::solve(problem, start, tolerance, progress)
+                   : own.solve(problem, start, {tolerance}, progress);
+    };
+    hbLeastSquaresFit::Result result = fit.run(samples_, set_, values_, interpolation_, solve, progress_);
     report_.method = "least-squares";
-    report_.solver = "conjugate-gradient";
+    report_.solver = ceres ? "ceres" : "conjugate-gradient";
     report_.loss = result.loss;
     report_.smoothing = result.smoothing;
     report_.unknowns = set_.storedValues();
@@ -121,6 +137,10 @@ private:
     report_.converged = result.solution.converged;
     report_.interrupted = result.solution.interrupted;
     report_.condition = result.solution.condition;
+    // Ceres does not tell; the problem is the same.
+    if (ceres && !report_.interrupted)
+      report_.condition =
+          own.solve({samples_, set_, result.loss, result.smoothing}, interpolation_, {1e-2}, progress_).condition;
     return std::move(result.solution.surpluses);
   }
 
@@ -148,10 +168,7 @@ double hbFit::bytes(const hbIndexSet& set, const hbSize3& samples) const {
 }
 
 hbFit::Result hbFit::run(const hbField& source, const hbSparseGrid& interpolated, hbProgress& progress) const {
-  const double need = bytes(interpolated.indexSet(), interpolated.geometry().size);
-  if (need > double(memoryLimit))
-    throw hbError(fmt::format("fit: needs about {:.3g} MB, more than the memory limit of {:.3g} MB", need / 0x1p20,
-                              double(memoryLimit) / 0x1p20));
+  refuseBeyond(memoryLimit, bytes(interpolated.indexSet(), interpolated.geometry().size));
   std::vector<hbFitReport> reports;
   std::vector<std::vector<float>> surpluses;
   for (int c = 0; c < interpolated.components(); ++c) {

@@ -21,6 +21,10 @@ struct hbFit {
   /// RMSE, and a file has a third of the bytes.
   static constexpr double kRounding = 0.03;
 
+  /// Up to so many bytes, and those of memoryLimit, Solver::automatic takes Ceres: where it needs more, it takes tens
+  /// of times as long as conjugate gradients without a matrix (doc/fitting.md).
+  static constexpr double kCeresBytes = 0x1p22;
+
   Method method = Method::leastSquares;
   hbFitLoss::Kind loss = hbFitLoss::Kind::none;
   std::optional<double> threshold;   ///< Of a robust loss, in data values, > 0; none: from the residuals.
@@ -39,6 +43,6 @@ struct hbFit {
   /// not determine a fit without smoothing, and where the memory does not suffice; hbCancelled.
   Result run(const hbField& source, const hbSparseGrid& interpolated, hbProgress& progress = hbProgress::none()) const;
 
-  /// What run() takes at its peak beside the interpolating grid, in bytes.
+  /// What run() takes at its peak beside the interpolating grid, in bytes; with Solver::ceres more, see hbCeresSolver.
   double bytes(const hbIndexSet& set, const hbSize3& samples) const;
 };

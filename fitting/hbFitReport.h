@@ -23,7 +23,8 @@ struct hbFitReport {
   int rounds = 0;                                      ///< Of the loss's outer loop.
   bool converged = false;
   bool interrupted = false; ///< Stopped by the user: the best so far.
-  /// Estimate of the condition number of the linear problem as it was solved; NaN: not known.
+  /// Estimate of the condition number of the linear problem: of opticom's matrix (hbOpticom), of least squares in
+  /// prewavelets scaled by the diagonal; NaN: not known.
   double condition = std::numeric_limits<double>::quiet_NaN();
   Errors fitted, heldOutErrors;                           ///< Of the fit.
   Errors interpolationFitted, interpolationHeldOutErrors; ///< Of interpolation, the same samples.

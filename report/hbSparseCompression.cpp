@@ -76,8 +76,8 @@ hbSparseCompression::Result hbSparseCompression::compress(const hbInput& origina
   const hbIndexSet indexSet = set.indexSet(input);
   // For each node and component 8 bytes while hierarchising and 4 for the surpluses, as much again for the form that
   // errors are measured with, and while they are packed; and something for what is being read.
-  double need = double(indexSet.storedValues()) * (12.0 + 12.0 * input.components());
-  if (fit) need += fit->bytes(indexSet, input.geometry().size);
+  const double grid = double(indexSet.storedValues()) * (12.0 + 12.0 * input.components());
+  const double need = grid + (fit ? fit->bytes(indexSet, input.geometry().size) : 0.0);
   if (need > double(memoryLimit))
     throw hbError(fmt::format("{}: level {} needs about {:.3g} MB, more than the memory limit of {:.3g} MB", input.name,
                               indexSet.number(), need / 0x1p20, double(memoryLimit) / 0x1p20));
@@ -110,7 +110,9 @@ hbSparseCompression::Result hbSparseCompression::compress(const hbInput& origina
   hbSparseGridFile& file = result.file;
   bool interrupted = false;
   if (fit) {
-    hbFit::Result fitted = named([&] { return fit->run(*source, file.grid, progress); });
+    hbFit how = *fit;
+    how.memoryLimit = memoryLimit - std::uint64_t(grid);
+    hbFit::Result fitted = named([&] { return how.run(*source, file.grid, progress); });
     file.grid = std::move(fitted.grid);
     result.fits = std::move(fitted.reports);
     for (const hbFitReport& report : result.fits) interrupted = interrupted || report.interrupted;

@@ -189,6 +189,45 @@ TEST(hbFit, RefusesWhatTheMemoryDoesNotHold) {
   EXPECT_EQ(errorOf(fit, how), "");
 }
 
+// Both minimise the same to a millionth of the objective; what they keep is rounded by 3 % of the residuals.
+TEST(hbFit, BothSolversFindTheSameFit) {
+  for (const auto loss : {hbFitLoss::Kind::none, hbFitLoss::Kind::huber}) {
+    const hbFitCase fit(spoiled(hbFitCase::smoothSamples({17, 15, 13}), 0.1F), {17, 15, 13}, 3);
+    hbFit how;
+    how.loss = loss;
+    how.smoothing = 1e-6;
+    how.threshold = 0.1;
+    how.solver = hbFit::Solver::ceres;
+    const auto ceres = fitted(fit, how);
+    how.solver = hbFit::Solver::conjugateGradient;
+    const auto own = fitted(fit, how);
+    EXPECT_EQ(ceres.reports.front().solver, "ceres");
+    EXPECT_EQ(own.reports.front().solver, "conjugate-gradient");
+    EXPECT_NEAR(ceres.reports.front().fitted.cost, own.reports.front().fitted.cost,
+                0.002 * own.reports.front().fitted.cost);
+    const std::vector<float> a = surplusesOf(ceres.grid), b = surplusesOf(own.grid);
+    std::vector<double> difference(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) difference[i] = double(a[i]) - double(b[i]);
+    const hbFitSamples samples = fit.samples();
+    const hbSampleOperator values(fit.set, {samples.coordinates(0), samples.coordinates(1), samples.coordinates(2)});
+    EXPECT_LE(values.rootMeanSquare(difference), 2.0 * 0.031 * own.reports.front().fitted.rmse);
+  }
+}
+
+TEST(hbFit, TakesCeresWhereItIsSmall) {
+  hbFit how;
+  how.smoothing = 1e-6;
+  const hbFitReport small = fitted(hbFitCase::noise({9, 9, 9}, 2), how).reports.front();
+  EXPECT_EQ(small.solver, "ceres");
+  EXPECT_GE(small.condition, 1.0);
+  EXPECT_EQ(fitted(hbFitCase::noise({33, 33, 33}, 4), how).reports.front().solver, "conjugate-gradient");
+  how.solver = hbFit::Solver::ceres;
+  how.memoryLimit = std::uint64_t{1} << 20;
+  EXPECT_NE(errorOf(hbFitCase::noise({13, 13, 13}, 3), how).find("fit: needs about "), std::string::npos);
+  how.solver = hbFit::Solver::automatic;
+  EXPECT_EQ(fitted(hbFitCase::noise({13, 13, 13}, 3), how).reports.front().solver, "conjugate-gradient");
+}
+
 TEST(hbFit, RefusesSamplesThatAreNotFinite) {
   hbFitCase fit = hbFitCase::noise({10, 9, 9}, 2);
   const hbSparseGrid grid = fit.interpolated();
