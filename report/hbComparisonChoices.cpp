@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "report/hbCoarseGrid.h"
+#include "report/hbFitJson.h"
 #include "report/hbInnerProgress.h"
 #include "report/hbSparseCompression.h"
 #include "sparsegrid/hbSemiNodalGrid.h"
@@ -38,23 +39,29 @@ Json head(const std::string& kind, const std::string& label, std::optional<int> 
           {"error", nullptr}};
 }
 
-hbSparseGridFile sparseFile(const hbInput& input, const hbComparison& what, int level, hbProgress& progress) {
+hbSparseCompression::Result sparseFile(const hbInput& input, const hbComparison& what, int level,
+                                       const std::optional<hbFit>& fit, hbProgress& progress) {
   if (!input.analytic) {
     hbSparseCompression compression;
     compression.set.levels = glm::ivec3(level);
     compression.measure = hbSparseCompression::Measure::none;
+    compression.fit = fit;
     compression.nonFinite = what.nonFinite;
     compression.memoryLimit = what.memoryLimit;
-    return compression.compress(input, progress).file;
+    return compression.compress(input, progress);
   }
   // The geometry stays the field's, so that light falls on the same central differences at every level.
   const hbIndexSet set = hbIndexSet::regular(level, hbIndexSet::uncappedAxesOf(input.geometry().size));
   // Nodal values in 64 bits, surpluses, as much again for the form that errors are measured with.
-  const double need = 24.0 * double(set.storedValues());
+  double need = 24.0 * double(set.storedValues());
+  if (fit) need += fit->bytes(set, input.geometry().size);
   if (need > double(what.memoryLimit))
     throw hbError(fmt::format("level {} needs about {:.3g} MB, more than the memory limit of {:.3g} MB", level,
                               need / 0x1p20, double(what.memoryLimit) / 0x1p20));
-  return {hbSparseGrid::interpolate(*input.analytic, set, hbLatticeMapping::fitted, progress), {}, {}, {}, {}};
+  hbSparseGrid grid = hbSparseGrid::interpolate(*input.analytic, set, hbLatticeMapping::fitted, progress);
+  if (!fit) return {{std::move(grid), {}, {}, {}, {}}, {}};
+  hbFit::Result fitted = fit->run(*input.analytic, grid, progress);
+  return {{std::move(fitted.grid), {}, {}, {}, {}}, std::move(fitted.reports)};
 }
 
 } // namespace
@@ -97,31 +104,52 @@ hbComparisonChoice hbComparisonChoices::original(hbProgress& progress) {
           [this] { return source_.load(); }};
 }
 
-void hbComparisonChoices::makeSparse(int level, Json& record, hbProgress& progress) const {
-  const std::filesystem::path file = folder_.choice(fmt::format("sparse-{}.hbv", level));
+void hbComparisonChoices::makeSparse(const std::string& key, int level, const std::optional<hbFit>& fit, Json& record,
+                                     hbProgress& progress) const {
+  const std::filesystem::path file = folder_.choice(key + ".hbv");
   const Stopwatch watch;
-  hbSparseGridFile made = sparseFile(source_.input(), what_, level, progress);
-  made.provenance.json = Json{{"program", "hbvol " + what_.version}, {"source", source_.input().name}}.dump(
-      -1, ' ', true, Json::error_handler_t::replace);
+  auto [made, fits] = sparseFile(source_.input(), what_, level, fit, progress);
+  Json provenance{{"program", "hbvol " + what_.version}, {"source", source_.input().name}};
+  for (const hbFitReport& one : fits) provenance["fit"].push_back(hb::provenanceOf(one));
+  made.provenance.json = provenance.dump(-1, ' ', true, Json::error_handler_t::replace);
   made.write(file);
   record["seconds_build"] = watch.seconds();
   record["file"] = "choices/" + file.filename().string();
   record["size"] = nullptr;
   record["stored_values"] = made.grid.indexSet().storedValues();
+  if (fit) {
+    const hbFitReport& report = fits[std::size_t(what_.scene.component)];
+    record["fit"] = hb::toJson(report);
+    if (!report.improved) record["label"] = record["label"].get<std::string>() + " (interpolation kept)";
+  }
   std::unique_ptr<const hbField> fast;
   if (hbSemiNodalGrid::fits(made.grid.indexSet())) fast = std::make_unique<const hbSemiNodalGrid>(made.grid);
   describe(record, made.grid, fast ? *fast : made.grid, std::filesystem::file_size(file), progress);
 }
 
 hbComparisonChoice hbComparisonChoices::sparse(int level, hbProgress& progress) {
-  const std::string key = fmt::format("sparse-{}", level);
+  return sparseGrid(fmt::format("sparse-{}", level), head("sparse", fmt::format("sparse grid, level {}", level), level),
+                    level, {}, progress);
+}
+
+hbComparisonChoice hbComparisonChoices::fitted(const hbComparison::Fit& fit, int level, hbProgress& progress) {
+  hbFit how;
+  how.method = fit.method;
+  how.loss = what_.loss;
+  how.memoryLimit = what_.memoryLimit;
+  return sparseGrid(fmt::format("{}-{}", fit.name, level),
+                    head(fit.name, fmt::format("{}, level {}", fit.inWords(), level), level), level, how, progress);
+}
+
+hbComparisonChoice hbComparisonChoices::sparseGrid(const std::string& key, Json head, int level,
+                                                   const std::optional<hbFit>& fit, hbProgress& progress) {
   const auto make = [&](Json& record) {
     hbInnerProgress inner(progress);
-    makeSparse(level, record, inner);
+    makeSparse(key, level, fit, record, inner);
   };
   hbReadOptions read;
   read.memoryLimit = what_.memoryLimit;
-  return {key, record(key, head("sparse", fmt::format("sparse grid, level {}", level), level), make),
+  return {key, record(key, std::move(head), make),
           [file = folder_.choice(key + ".hbv").string(), read] { return hbInput::open(file, read); }};
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "report/hbComparison.h"
@@ -34,6 +35,10 @@ public:
   /// The regular sparse grid of that level, as choices/sparse-N.hbv. Of an analytic field it interpolates the field, on
   /// axes as fine as the level has them; of a volume its trilinear interpolant, capped as `compress` does.
   hbComparisonChoice sparse(int level, hbProgress& progress);
+  /// The same set fitted to all samples, as choices/METHOD-N.hbv, with the "fit" of the component compared
+  /// (hb::toJson()). Of an analytic field those of its nominal sizes. Where the fit is no better than interpolation on
+  /// the samples held out, the grid interpolates, and the label says so.
+  hbComparisonChoice fitted(const hbComparison::Fit& fit, int level, hbProgress& progress);
   /// A coarser full grid that takes no more than `bytes`: those of the sparse grid of that level.
   hbComparisonChoice coarse(int level, std::uint64_t bytes, hbProgress& progress);
 
@@ -48,7 +53,11 @@ private:
   /// Adds bytes and errors; `atPoints` is the same field, fast at single points.
   void describe(Json& record, const hbField& field, const hbField& atPoints, std::uint64_t bytes,
                 hbProgress& progress) const;
-  void makeSparse(int level, Json& record, hbProgress& progress) const;
+  /// The sparse grid of that level, interpolating or fitted, by the name of `key`.
+  hbComparisonChoice sparseGrid(const std::string& key, Json head, int level, const std::optional<hbFit>& fit,
+                                hbProgress& progress);
+  void makeSparse(const std::string& key, int level, const std::optional<hbFit>& fit, Json& record,
+                  hbProgress& progress) const;
 
   const hbComparisonSource& source_;
   const hbComparison& what_;

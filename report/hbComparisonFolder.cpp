@@ -34,6 +34,8 @@ std::string difference(const Json& old, const Json& now) {
   for (const auto& [key, value] : now.items())
     if (const Json before = old.value(key, Json()); before != value)
       return fmt::format("{} {}, found {}", key, hb::jsonText(before), hb::jsonText(value));
+  for (const auto& [key, value] : old.items())
+    if (!now.contains(key)) return fmt::format("{} {}, found none", key, hb::jsonText(value));
   return "the same settings";
 }
 

@@ -84,8 +84,13 @@ const hbScene& hbComparisonRun::sceneOf(hbMode mode) const {
 }
 
 std::vector<hbComparisonRun::Case> hbComparisonRun::casesOf(const hbComparisonChoice& choice) const {
-  const bool isSparse = choice.record["kind"] == "sparse";
-  const auto engines = isSparse ? what_.engines : std::vector{hbComparison::engineFromName("full")};
+  const std::string kind = choice.record["kind"];
+  std::vector<hbComparison::Engine> engines{hbComparison::engineFromName("full")};
+  if (kind == "sparse") {
+    engines = what_.engines;
+  } else if (hbComparison::isSparseGrid(kind)) {
+    engines = {what_.engines.front()}; // other values in the same grids: engines differ as they do there
+  }
   std::vector<Case> cases;
   for (const auto& engine : engines)
     for (const hbMode mode : what_.modes)
@@ -227,6 +232,10 @@ void hbComparisonRun::takeVtk(hbProgress& progress) {
     }
 }
 
+void hbComparisonRun::takeFits(int level, hbComparisonChoices& choices, hbProgress& progress) {
+  for (const hbComparison::Fit& fit : what_.fits) take(choices.fitted(fit, level, progress), progress);
+}
+
 void hbComparisonRun::takeZfp(const hbComparisonChoice& sparse, hbComparisonChoices& choices, hbProgress& progress) {
   take(choices.zfp(peers_, sparse.record["level"], sparse.record["bytes"], progress), progress);
 }
@@ -234,14 +243,16 @@ void hbComparisonRun::takeZfp(const hbComparisonChoice& sparse, hbComparisonChoi
 Json hbComparisonRun::run(hbProgress& progress) {
   const std::int64_t levels = what_.lastLevel - what_.firstLevel + 1;
   const auto modes = std::int64_t(what_.modes.size()), engines = std::int64_t(what_.engines.size());
+  const auto fits = std::int64_t(what_.fits.size());
   const int vtk = peers_.hasVtk() ? 2 : 0, zfp = peers_.hasZfp() ? 1 : 0;
-  progress.begin("comparing", modes * (1 + vtk + levels * (1 + zfp + engines)), "cases");
+  progress.begin("comparing", modes * (1 + vtk + levels * (1 + zfp + engines + fits)), "cases");
   hbComparisonChoices choices(source_, what_, folder_);
   take(choices.original(progress), progress);
   if (peers_.hasVtk()) takeVtk(progress);
   for (int level = what_.firstLevel; level <= what_.lastLevel; ++level) {
     const hbComparisonChoice sparse = choices.sparse(level, progress);
     take(sparse, progress);
+    takeFits(level, choices, progress);
     if (!sparse.isDone()) continue; // there is no number of bytes to compare with
     take(choices.coarse(level, sparse.record["bytes"], progress), progress);
     if (peers_.hasZfp()) takeZfp(sparse, choices, progress);

@@ -47,6 +47,8 @@ private:
   /// The completed scene. Throws hbError where it could not be completed: of a constant, there is no dvr.
   const hbScene& sceneOf(hbMode mode) const;
   hbPicture draw(const hbField& field, hbMode mode, hbProgress& progress) const;
+  /// The fits of that level, each drawn by the first engine.
+  void takeFits(int level, hbComparisonChoices& choices, hbProgress& progress);
   /// Zfp as one more choice, with as many bytes as that sparse grid.
   void takeZfp(const hbComparisonChoice& sparse, hbComparisonChoices& choices, hbProgress& progress);
   /// The volume itself, drawn by VTK.
