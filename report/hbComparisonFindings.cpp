@@ -50,7 +50,7 @@ void markFront(Json& report, const char* mark, const std::function<double(const 
 
 /// The distance of nodes along the finest axis, in lengths of the cube; 0 for choices that have none.
 double meshWidth(const Json& choice) {
-  if (choice["kind"] == "sparse") return std::exp2(-choice["level"].get<double>());
+  if (hbComparison::isSparseGrid(choice["kind"].get<std::string>())) return std::exp2(-choice["level"].get<double>());
   if (choice["kind"] != "coarse" || !choice.value("size", Json()).is_array()) return 0.0;
   const double nodes = *std::max_element(choice["size"].begin(), choice["size"].end());
   return nodes > 1.0 ? 1.0 / (nodes - 1.0) : 0.0;
@@ -91,11 +91,13 @@ public:
     forError();
     for (const Json& mode : report_["settings"]["modes"]) forFrame(mode);
     forBytes();
+    if (const Json& settings = report_["settings"]; settings.contains("fits"))
+      for (const Json& kind : settings["fits"]) forFit(kind);
     return list_;
   }
 
 private:
-  void add(const std::string& question, double limit, const Json& mode, const Json* choice, const Json* one,
+  void add(const std::string& question, const Json& limit, const Json& mode, const Json* choice, const Json* one,
            const std::string& answer) {
     list_.push_back({{"question", question},
                      {"limit", limit},
@@ -180,6 +182,40 @@ private:
         [&](const Json& c) { return isDone(c) && c["values"]["rmse"].is_number() && number(c, "/bytes") <= limit; },
         [](const Json& c) { return std::pair(number(c, "/values/rmse"), number(c, "/bytes")); });
     add("at most " + bytesText(limit), limit, nullptr, choice, nullptr, choice ? inWords(*choice) : "none of these");
+  }
+
+  /// Of the interpolating grids for which `isIn` holds, the one with the least RMSE; null where there is none.
+  const Json* interpolating(const std::function<bool(const Json&)>& isIn) const {
+    return best(
+        report_["choices"], [&](const Json& c) { return c["kind"] == "sparse" && isDone(c) && isIn(c); },
+        [](const Json& c) { return orInfinite(c["values"]["rmse"]); });
+  }
+
+  const Json* interpolatingAtLevelOf(const Json& fit) const {
+    return interpolating([&](const Json& c) { return c["level"] == fit["level"]; });
+  }
+
+  void forFit(const Json& kind) {
+    const auto isGain = [&](const Json& c) {
+      return c["kind"] == kind && isDone(c) && c["fit"]["improved"] == true && interpolatingAtLevelOf(c) != nullptr;
+    };
+    const Json* fit = best(report_["choices"], isGain, [&](const Json& c) {
+      return orInfinite(c["values"]["rmse"]) / orInfinite((*interpolatingAtLevelOf(c))["values"]["rmse"]);
+    });
+    add("a fit by " + kind.get<std::string>(), nullptr, nullptr, fit, nullptr,
+        fit ? inWords(*fit, *interpolatingAtLevelOf(*fit)) : "none of these: no better than interpolation");
+  }
+
+  std::string inWords(const Json& fit, const Json& same) const {
+    const Json* within = interpolating([&](const Json& c) { return c["bytes"] <= fit["bytes"]; });
+    return fmt::format("{}: RMSE {:.4g} instead of {:.4g} by interpolation, {} instead of {}, made in {:.3g} s instead "
+                       "of {:.3g} s{}",
+                       fit["label"].get<std::string>(), orInfinite(fit["values"]["rmse"]),
+                       orInfinite(same["values"]["rmse"]), bytesText(number(fit, "/bytes")),
+                       bytesText(number(same, "/bytes")), number(fit, "/seconds_build"), number(same, "/seconds_build"),
+                       within ? fmt::format("; in no more bytes interpolation has RMSE {:.4g}, at level {}",
+                                            orInfinite((*within)["values"]["rmse"]), (*within)["level"].get<int>())
+                              : std::string());
   }
 
   const Json& report_;

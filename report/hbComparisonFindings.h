@@ -18,13 +18,15 @@ void markParetoFronts(ReportJson& report);
 void addConvergenceOrders(ReportJson& report);
 
 /// Adds "recommendations": for a greatest error, for a frame's time and for a number of bytes, the choice that serves
-/// best, in one sentence. A limit that is not given is 1 % of the values' range, a tenth of a second, and 1 % of the
-/// uncompressed bytes.
+/// best, and what fits are good for, in one sentence each. A limit that is not given is 1 % of the values' range, a
+/// tenth of a second, and 1 % of the uncompressed bytes.
 ///
 /// - max error <= E: of the choices whose samples are off by no more, the one with the fewest bytes.
 /// - a frame <= T, for each mode: of the cases that are as fast, the one with the least picture error, and among equals
 ///   the fewest bytes; where that is the volume itself, the best compressed one is named, too.
 /// - <= B bytes: of the choices as small, the one with the least RMSE.
+/// - for each way to fit, without a limit: the level at which it lessens the RMSE of interpolation by the greatest
+///   factor, with bytes and time of both, and what interpolation reaches in as many bytes.
 void addRecommendations(ReportJson& report, const hbComparison::Limits& limits);
 
 } // namespace hb

@@ -172,12 +172,29 @@ private:
   void writeKept() {
     page_.element("h2", "What is kept", {{"id", "kept"}});
     hb::writeChoiceTable(page_, report_);
+    if (!report_["settings"]["fits"].null()) writeFits();
     if (report_["plots"].null())
       page_.element("p", "The plots are missing, as gnuplot could not be used when this page was made.");
     const auto convergence = report_["plots"]["convergence"];
     page_.open("div", {{"class", "plots"}});
     pictures_.writePlot(page_, convergence["values"], "plot: error of the values over the level");
     pictures_.writePlot(page_, convergence["true_values"], "plot: error against the analytic field over the level");
+    pictures_.writePlot(page_, convergence["bytes"], "plot: error of the values over size");
+    page_.close();
+  }
+
+  void writeFits() {
+    page_.open("p");
+    page_.text("Fits (");
+    writeList(page_, report_["settings"]["fits"], ", ", [&](const auto& fit) { page_.quote(fit); });
+    page_.text("; loss: ");
+    page_.quote(report_["settings"]["loss"]);
+    page_.text(
+        ") are sparse grids of the same levels whose values were fitted to all samples, where interpolation looks at "
+        "those at its nodes only. Some samples were held out of the fit to judge it; where it was no better on these, "
+        "interpolation was kept. At the same level a fit takes other bytes than interpolation: the plots over size "
+        "have the bytes of the files. Fits are drawn by the first engine only, as their grids, and so the times, are "
+        "those of interpolation.");
     page_.close();
   }
 

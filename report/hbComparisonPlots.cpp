@@ -27,13 +27,15 @@ constexpr double kKilobyte = 1024.0;
 
 // ---- looks: the colours that M. Okabe and K. Ito chose so that all people can tell them apart ----
 
-const std::map<std::string, std::string> kKindColors{
-    {"original", "#000000"}, {"sparse", "#0072b2"}, {"coarse", "#e69f00"}, {"zfp", "#cc79a7"}};
+const std::map<std::string, std::string> kKindColors{{"original", "#000000"}, {"sparse", "#0072b2"},
+                                                     {"coarse", "#e69f00"},   {"zfp", "#cc79a7"},
+                                                     {"opticom", "#009e73"},  {"least-squares", "#d55e00"}};
 const std::map<std::string, std::string> kEngineColors{
     {"seminodal", "#0072b2"}, {"direct", "#d55e00"}, {"combination", "#009e73"}, {"lattice", "#56b4e9"}};
 const std::map<std::string, std::string> kKindNames{
-    {"original", "original"}, {"sparse", "sparse"}, {"coarse", "coarser grid"}};
-const std::map<std::string, int> kKindPoints{{"original", 13}, {"sparse", 7}, {"coarse", 5}, {"zfp", 9}};
+    {"original", "original"}, {"sparse", "sparse"}, {"coarse", "coarser grid"}, {"least-squares", "least squares"}};
+const std::map<std::string, int> kKindPoints{{"original", 13}, {"sparse", 7},   {"coarse", 5},
+                                             {"zfp", 9},       {"opticom", 11}, {"least-squares", 15}};
 constexpr auto kOtherColor = "#777777";
 
 std::string found(const std::map<std::string, std::string>& map, const std::string& key, const std::string& otherwise) {
@@ -41,8 +43,8 @@ std::string found(const std::map<std::string, std::string>& map, const std::stri
   return at == map.end() ? otherwise : at->second;
 }
 
-/// Looks that are the same in every plot: sparse grids have a colour an engine, the others one a kind; OpenGL and VTK
-/// have open points, their variants other dashes.
+/// Looks that are the same in every plot: sparse grids that interpolate have a colour an engine, the others one a kind;
+/// OpenGL and VTK have open points, their variants other dashes.
 hbPlot::Series seriesOf(const std::string& kind, const std::string& engine) {
   hbPlot::Series series;
   series.title = found(kKindNames, kind, kind) + ", " + engine;
@@ -196,6 +198,20 @@ hbPlot convergence(const hbReportPlace& report, const char* errors, const std::s
   return plot;
 }
 
+/// Only where there are fits, which take other bytes than interpolation at the same level.
+hbPlot valuesOverBytes(const hbReportPlace& report) {
+  hbPlot plot{
+      "RMSE of the values against the samples, over size", "kB kept (compressed)", "RMSE of the values", true, {}};
+  if (report["settings"]["fits"].null()) return plot;
+  for (std::size_t i = 0; i < report["choices"].size(); ++i) {
+    const auto choice = report["choices"][i];
+    const auto kilobytes = scaled(choice["bytes"], 1.0 / kKilobyte), rmse = choice["values"]["rmse"].number();
+    if (choice["level"].number() && kilobytes && rmse)
+      seriesIn(plot, seriesOf(choice["kind"].text())).points.emplace_back(*kilobytes, *rmse);
+  }
+  return plot;
+}
+
 class PlotFolder {
 public:
   PlotFolder(const std::filesystem::path& folder, hbProgress& progress)
@@ -235,5 +251,6 @@ void hb::makeComparisonPlots(Json& report, const std::filesystem::path& folder, 
   }
   plots.add(convergence(place, "values", "the samples"), "convergence", "values");
   plots.add(convergence(place, "true_values", "the analytic field"), "convergence", "true_values");
+  plots.add(valuesOverBytes(place), "convergence", "bytes");
   report["plots"] = plots.plots;
 }
