@@ -1,8 +1,11 @@
 #include "apps/ComparisonOptions.h"
 
+#include <algorithm>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "apps/ChoiceOption.h"
 #include "sparsegrid/hbIndexSet.h"
 
 namespace {
@@ -25,6 +28,12 @@ std::string parseLevels(const std::string& text, hbComparison& what) {
 std::vector<std::string> engineNames() {
   std::vector<std::string> names;
   for (const auto& engine : hbComparison::allEngines()) names.push_back(engine.name);
+  return names;
+}
+
+std::vector<std::string> fitNames() {
+  std::vector<std::string> names{"interpolation"};
+  for (const auto& fit : hbComparison::allFits()) names.push_back(fit.name);
   return names;
 }
 
@@ -71,6 +80,15 @@ void app::ComparisonOptions::addTo(CLI::App& subcommand) {
       ->delimiter(',')
       ->check(CLI::IsMember({"xray", "mip", "iso", "dvr"}))
       ->type_name("M,...");
+  subcommand
+      .add_option("--fits", fits,
+                  "interpolation,opticom,least-squares: beside the sparse grids that interpolate, which always take "
+                  "part, those fitted to all samples (default: interpolation)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(fitNames()))
+      ->type_name("F,...");
+  addChoice(subcommand, "--loss", what.loss, {{"none", hbFitLoss::Kind::none}, {"huber", hbFitLoss::Kind::huber}},
+            "Of the fits: none (default), squared residuals; huber, those of bad samples count less");
   subcommand.add_option("--component", what.scene.component, "Which component, from 0")->check(CLI::Range(0, 65535));
   subcommand.add_option("--repeat", what.repeats, "Frames to time of each case, after one to warm up")
       ->check(CLI::Range(1, 10000))
@@ -95,6 +113,10 @@ void app::ComparisonOptions::addTo(CLI::App& subcommand) {
 void app::ComparisonOptions::complete(const CommonOptions& common) {
   if (!engines.empty()) what.engines.clear();
   for (const std::string& name : engines) what.engines.push_back(hbComparison::engineFromName(name));
+  for (const auto& fit : hbComparison::allFits())
+    if (std::find(fits.begin(), fits.end(), fit.name) != fits.end()) what.fits.push_back(fit);
+  if (what.loss != hbFitLoss::Kind::none && what.fits.empty())
+    throw CLI::ValidationError("--loss", "expected --fits opticom or least-squares beside it");
   if (!modes.empty()) what.modes.clear();
   for (const std::string& name : modes) what.modes.push_back(hb::modeFromName(name));
   what.scene.sampling.samples = 1; // until the scene is known

@@ -15,13 +15,13 @@ struct ComparisonOptions {
   SceneOptions scene;
   hbComparison what; ///< All but its scene, once complete() was called.
   std::string out;
-  std::vector<std::string> engines, modes;
+  std::vector<std::string> engines, modes, fits;
   bool hardCases = false, noPeers = false;
 
   /// This must live as long as the subcommand.
   void addTo(CLI::App& subcommand);
 
-  /// Looks at nothing but the options. Throws hbError.
+  /// Looks at nothing but the options. Throws hbError, and CLI::ValidationError where options do not go together.
   void complete(const CommonOptions& common);
 
   /// What is looked at, of that volume; defaults are small, as many frames are drawn. Throws hbError.

@@ -34,14 +34,17 @@ void printHardCases(const nlohmann::ordered_json& hard) {
 } // namespace
 
 void app::printComparison(const nlohmann::ordered_json& report, const std::string& out) {
-  fmt::print("{:<28} {:>10} {:>12} {:>10} {:>10} {:>10}\n", "choice", "kB", "bits/sample", "max error", "RMSE", "PSNR");
+  std::size_t width = 28;
+  for (const auto& choice : report["choices"]) width = std::max(width, choice["label"].get<std::string>().size());
+  fmt::print("{:<{}} {:>10} {:>12} {:>10} {:>10} {:>10}\n", "choice", width, "kB", "bits/sample", "max error", "RMSE",
+             "PSNR");
   for (const auto& choice : report["choices"]) {
     if (choice["status"] != "done") {
-      fmt::print("{:<28} failed: {}\n", choice["label"].get<std::string>(), choice["error"].get<std::string>());
+      fmt::print("{:<{}} failed: {}\n", choice["label"].get<std::string>(), width, choice["error"].get<std::string>());
       continue;
     }
     const auto& values = choice["values"];
-    fmt::print("{:<28} {:>10.1f} {:>12.4f} {:>10.4g} {:>10.4g} {:>10}\n", choice["label"].get<std::string>(),
+    fmt::print("{:<{}} {:>10.1f} {:>12.4f} {:>10.4g} {:>10.4g} {:>10}\n", choice["label"].get<std::string>(), width,
                choice["bytes"].get<double>() / 1024.0, choice["bits_per_sample"].get<double>(), number(values["max"]),
                number(values["rmse"]),
                values["psnr"].is_number() ? fmt::format("{:.2f} dB", values["psnr"].get<double>())
