@@ -17,6 +17,7 @@ public:
 
   int width() const { return width_; }
   int height() const { return height_; }
+  int channels() const { return channels_; }
 
   /// What is drawn from now on is drawn here.
   void bind() const;

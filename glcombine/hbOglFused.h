@@ -14,7 +14,9 @@
 #include "glcombine/hbOglValues.h"
 
 /// Planewise ray casting in one draw a picture: a fragment shader walks along its pixel's ray and evaluates the whole
-/// sparse grid at every sample (hbOglValues), where hbOglSparseGrid draws every component grid on every plane.
+/// sparse grid at every sample (hbOglValues), where hbOglSparseGrid draws every component grid on every plane. Where
+/// that takes more turns than hbGlProgram::kMostTurns, planes are drawn in several passes, each of which goes on from
+/// what the pass before has found: pictures are the same to the bit.
 ///
 /// What is found is hbPlaneCompositor's, in 32 bits. The context must be current wherever it is used, its end included.
 class hbOglFused {
@@ -46,6 +48,8 @@ public:
   std::int64_t textureBytes() const { return values_.textureBytes(); }
 
 private:
+  int planesAPass(int turnsAPlane) const;
+  void draw(const hbGlProgram& program, int planes, int aPass, const hbGlTarget& out) const;
   const hbGlProgram& prepared(std::unique_ptr<hbGlProgram>& program, const std::string& shader, const hbOglRays& rays,
                               const hbGlTarget& out) const;
 

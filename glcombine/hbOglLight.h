@@ -20,6 +20,9 @@ public:
   /// evaluations of the field where `depth` is not 0. It stands behind hbOglRays::glsl(), hbOglValues::glsl() and
   /// hbOglMatter::glsl(), which it completes.
   static const char* glsl();
+  /// Turns of loops that shine() takes at the most, as hbGlProgram::kMostTurns counts them, where valueAt() takes
+  /// `ofValue`.
+  static int turns(int ofValue);
   /// Sets what glsl() needs in the program in use.
   void set(const hbGlProgram& program) const;
 

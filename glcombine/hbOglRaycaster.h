@@ -41,7 +41,7 @@ public:
   void look(const hbCamera& camera);
 
   /// One frame, with the channels and the metadata of hbRaycaster::render(). Throws hbCancelled: `blend` between lots
-  /// of planes, the other forms, which are one draw, before or after it.
+  /// of planes, the other forms, which are one draw or a few, before or after them.
   hbPicture render(hbProgress& progress = hbProgress::none());
 
   /// With its camera.

@@ -92,6 +92,7 @@ struct hbOglValues::Table {
   glm::vec3 scale{1.0F}; ///< Lattice coordinate = scale * cube coordinate.
   glm::bvec3 isFlat{false};
   std::vector<glm::ivec4> rows;
+  int turns = 0; ///< Of all loops, with the one that ends each.
 
   Table(const hbCombinationSparseGrid& grid, const Limits& limits);
   Table(const hbSemiNodalGrid& grid, const Limits& limits);
@@ -124,6 +125,7 @@ hbOglValues::Table::Table(const hbCombinationSparseGrid& grid, const Limits& lim
     rows.push_back({cells(0), cells(1), cells(2), int(one.offset)});
     rows.push_back({bitsOf(float(one.coefficient)), 0, 0, 0});
   }
+  turns = int(grid.grids().size()) + 1;
   checkBlock(limits);
 }
 
@@ -155,6 +157,7 @@ hbOglValues::Table::Table(const hbSemiNodalGrid& grid, const Limits& limits) : g
       rows.push_back({bitsOf(y.kind), bitsOf(z.kind), 0, 0});
     }
   }
+  turns = int(terms.terms.size() + 2 * terms.groups.size()) + 1;
   checkBlock(limits);
 }
 
@@ -177,7 +180,7 @@ hbOglValues::hbOglValues(const hbGlFunctions& gl, const Table& table, std::span<
     : gl_(gl),
       glsl_(fmt::format(kCommon, int(!table.isFlat.x), int(!table.isFlat.y), int(!table.isFlat.z), table.rows.size()) +
             table.glsl),
-      rows_(int(table.rows.size())), scale_(glm::vec3(glm::not_(table.isFlat)) * table.scale),
+      rows_(int(table.rows.size())), turns_(table.turns), scale_(glm::vec3(glm::not_(table.isFlat)) * table.scale),
       bytes_(std::int64_t(values.size_bytes())), values_(gl, GL_TEXTURE_BUFFER, values.data(), values.size_bytes()),
       block_(gl, GL_UNIFORM_BUFFER, table.rows.data(), std::size_t(table.bytes())), texture_(gl, GL_TEXTURE_BUFFER) {
   gl.TexBuffer(GL_TEXTURE_BUFFER, GL_R32F, values_.name());

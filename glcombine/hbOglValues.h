@@ -40,6 +40,9 @@ public:
 
   /// GLSL (330) that declares float valueAt(vec3 point), of the cube, to which points are clamped (NaN to 0).
   const std::string& glsl() const { return glsl_; }
+  /// Turns of loops that valueAt() takes, as hbGlProgram::kMostTurns counts them. Where uniform blocks have 64 kB, 2100
+  /// at the most.
+  int turns() const { return turns_; }
   /// Sets what glsl() needs in the program in use; the texture of that unit and the first GL_UNIFORM_BUFFER are taken.
   void set(const hbGlProgram& program, int unit) const;
 
@@ -52,7 +55,7 @@ private:
 
   const hbGlFunctions& gl_;
   std::string glsl_;
-  int rows_;
+  int rows_, turns_;
   glm::vec3 scale_;
   std::int64_t bytes_;
   hbGlBuffer values_, block_;
