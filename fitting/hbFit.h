@@ -17,9 +17,9 @@ struct hbFit {
   enum class Solver : std::uint8_t { automatic, ceres, conjugateGradient };
 
   /// Fitted surpluses are rounded to multiples of a power of two, by which values change by no more than this share of
-  /// the residuals (of a robust loss, of those within the threshold), as roots of mean squares: 0.05 % is added to the
-  /// RMSE, and a file has a third of the bytes.
-  static constexpr double kRounding = 0.03;
+  /// the residuals (of a robust loss, of those within the threshold), as roots of mean squares: 0.5 % is added to the
+  /// RMSE, and a file has a quarter of the bytes.
+  static constexpr double kRounding = 0.1;
 
   /// Up to so many bytes, and those of memoryLimit, Solver::automatic takes Ceres: where it needs more, it takes tens
   /// of times as long as conjugate gradients without a matrix (doc/fitting.md).

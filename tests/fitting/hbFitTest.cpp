@@ -126,7 +126,7 @@ TEST(hbFit, ARobustLossLeavesOutliersOut) {
   EXPECT_LT(rmse(robust.grid, clean), rmse(plain.grid, clean) / 2.0);
 }
 
-// Rounding is noise of its own beside the residuals: their squares add, 0.03^2 is 0.09 %. All surpluses are multiples
+// Rounding is noise of its own beside the residuals: their squares add. All surpluses are multiples
 // of one power of two, not below 2^-16 of the residuals.
 TEST(hbFit, RoundsSurplusesToWhatShows) {
   const hbFitCase fit = hbFitCase::noise({33, 33, 33}, 4);
@@ -145,8 +145,10 @@ TEST(hbFit, RoundsSurplusesToWhatShows) {
   const hbSampleOperator values(fit.set, {samples.coordinates(0), samples.coordinates(1), samples.coordinates(2)});
   std::vector<double> difference(exact.surpluses);
   for (std::size_t i = 0; i < difference.size(); ++i) difference[i] -= double(surpluses[i]);
-  EXPECT_LE(values.rootMeanSquare(difference), 0.03 * reports.front().fitted.rmse * 1.001);
-  EXPECT_GT(values.rootMeanSquare(difference), 0.001 * reports.front().fitted.rmse); // no finer than need be
+  // (exact residuals are smaller than those reported by no more than that)
+  EXPECT_LE(values.rootMeanSquare(difference), hbFit::kRounding * reports.front().fitted.rmse);
+  EXPECT_GT(values.rootMeanSquare(difference),
+            0.2 * hbFit::kRounding * reports.front().fitted.rmse); // no finer than need be
 }
 
 TEST(hbFit, OfNothingButOutliersIsSound) {
@@ -189,7 +191,7 @@ TEST(hbFit, RefusesWhatTheMemoryDoesNotHold) {
   EXPECT_EQ(errorOf(fit, how), "");
 }
 
-// Both minimise the same to a millionth of the objective; what they keep is rounded by 3 % of the residuals.
+// Both minimise the same to a millionth of the objective; what they keep is rounded by a tenth of the residuals.
 TEST(hbFit, BothSolversFindTheSameFit) {
   for (const auto loss : {hbFitLoss::Kind::none, hbFitLoss::Kind::huber}) {
     const hbFitCase fit(spoiled(hbFitCase::smoothSamples({17, 15, 13}), 0.1F), {17, 15, 13}, 3);
@@ -204,13 +206,13 @@ TEST(hbFit, BothSolversFindTheSameFit) {
     EXPECT_EQ(ceres.reports.front().solver, "ceres");
     EXPECT_EQ(own.reports.front().solver, "conjugate-gradient");
     EXPECT_NEAR(ceres.reports.front().fitted.cost, own.reports.front().fitted.cost,
-                0.002 * own.reports.front().fitted.cost);
+                0.02 * own.reports.front().fitted.cost);
     const std::vector<float> a = surplusesOf(ceres.grid), b = surplusesOf(own.grid);
     std::vector<double> difference(a.size());
     for (std::size_t i = 0; i < a.size(); ++i) difference[i] = double(a[i]) - double(b[i]);
     const hbFitSamples samples = fit.samples();
     const hbSampleOperator values(fit.set, {samples.coordinates(0), samples.coordinates(1), samples.coordinates(2)});
-    EXPECT_LE(values.rootMeanSquare(difference), 2.0 * 0.031 * own.reports.front().fitted.rmse);
+    EXPECT_LE(values.rootMeanSquare(difference), 2.02 * hbFit::kRounding * own.reports.front().fitted.rmse);
   }
 }
 
@@ -249,10 +251,10 @@ TEST(hbFit, FitsEachComponentInDataValues) {
   const auto [grid, reports] = hbFit{}.run(field, hbSparseGrid::interpolate(field, one.set, one.mapping));
   ASSERT_EQ(reports.size(), 2U);
   // The map's floats, and 64-bit samples of 1e9, keep 2^-23 of the range. The surpluses' step is another one under
-  // another map: each adds up to 0.045 % (0.03^2 / 2) to the RMSE.
+  // another map: each adds up to 0.5 % (0.1^2 / 2) to the RMSE.
   const double expected = fitted(one, {}).reports.front().heldOutErrors.rmse;
-  EXPECT_NEAR(reports[0].heldOutErrors.rmse, expected, 0.00045 * expected + 0x1p-20);
-  EXPECT_NEAR(reports[1].heldOutErrors.rmse, 2.0 * expected, 0.0009 * expected + 0x1p-19);
+  EXPECT_NEAR(reports[0].heldOutErrors.rmse, expected, 0.005 * expected + 0x1p-20);
+  EXPECT_NEAR(reports[1].heldOutErrors.rmse, 2.0 * expected, 0.01 * expected + 0x1p-19);
   EXPECT_EQ(grid.valueMap(), field.valueMap());
 }
 
