@@ -9,6 +9,8 @@
 
 namespace {
 
+constexpr int kDigits = 3; ///< That count, at the least.
+
 constexpr std::string_view kReplacement = "\xef\xbf\xbd"; // U+FFFD
 constexpr std::string_view kDash = "\xe2\x80\x93";
 
@@ -59,7 +61,6 @@ void appendEscaped(std::string& to, std::string_view text) {
 } // namespace
 
 std::string hb::figureText(double value) {
-  constexpr int kDigits = 3;
   const double size = std::abs(value);
   if (!std::isfinite(value)) return std::string(kDash);
   if (value == 0.0) return "0";
@@ -109,7 +110,8 @@ void hbHtmlWriter::figure(const hbReportPlace& place, const hbUnit& unit) {
   startTag("data", {{"value", place.value().dump()}, {"data-json", place.pointer()}, {"data-unit", unit.name}});
   html_ += '>';
   const double shown = *number / unit.factor;
-  text(unit.decimals < 0 ? hb::figureText(shown) : fmt::format("{:.{}f}", shown, unit.decimals));
+  const bool isFixed = unit.decimals >= 0 && std::abs(shown) >= std::pow(10.0, kDigits - 1 - unit.decimals);
+  text(isFixed ? fmt::format("{:.{}f}", shown, unit.decimals) : hb::figureText(shown));
   html_ += "</data>";
 }
 

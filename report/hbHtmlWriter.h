@@ -12,7 +12,7 @@
 struct hbUnit {
   const char* name = ""; ///< "" where the value stands as it is.
   double factor = 1.0;
-  int decimals = -1; ///< Digits after the point; -1: hb::figureText() chooses.
+  int decimals = -1; ///< Digits after the point; -1, or where fewer than three would count: hb::figureText() chooses.
 };
 
 namespace hb {

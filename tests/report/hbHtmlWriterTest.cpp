@@ -1,6 +1,8 @@
 #include "report/hbHtmlWriter.h"
 
 #include <limits>
+#include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -73,6 +75,16 @@ TEST(hbHtmlWriter, whatIsNotFiniteIsADash) {
     hbHtmlWriter page;
     page.figure(hbReportPlace(report)["x"], {"", 1.0, 4});
     EXPECT_EQ(page.html(), "\xe2\x80\x93") << value;
+  }
+}
+
+TEST(hbHtmlWriter, fixedDecimalsLeaveThreeDigits) {
+  for (const auto& [value, text] : {std::pair(0.98765, "0.9877"), std::pair(0.01, "0.0100"), std::pair(-0.5, "-0.5000"),
+                                    std::pair(0.003931131, "0.00393"), std::pair(0.0, "0")}) {
+    const hbReportPlace::Json report{{"x", value}};
+    hbHtmlWriter page;
+    page.figure(hbReportPlace(report)["x"], {"", 1.0, 4});
+    EXPECT_NE(page.html().find(std::string(">") + text + "<"), std::string::npos) << page.html();
   }
 }
 
