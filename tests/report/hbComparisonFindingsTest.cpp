@@ -1,7 +1,10 @@
 #include "report/hbComparisonFindings.h"
 
 #include <cmath>
+#include <string>
+#include <tuple>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace {
@@ -111,6 +114,59 @@ TEST(hbComparisonFindings, RecommendsByErrorTimeAndBytes) {
             "picture 30 dB");
   EXPECT_EQ(list[2]["question"], "at most 200 bytes"); // 1 % of the volume
   EXPECT_EQ(list[2]["choice"], "s6");
+}
+
+/// The report with a fit at both levels, the coarser of which gains more.
+Json fittedReport() {
+  Json r = report();
+  r["settings"]["fits"] = {"least-squares"};
+  for (const auto& [level, bytes, rmse] : {std::tuple(5, 150.0, 0.05), std::tuple(6, 300.0, 0.02)}) {
+    Json fit = choice(fmt::format("f{}", level), "least-squares", level, bytes, 1.0, rmse);
+    fit["fit"] = {{"improved", true}};
+    fit["seconds_build"] = 4.0;
+    r["choices"].push_back(fit);
+  }
+  for (const std::size_t i : {1, 2}) r["choices"][i]["seconds_build"] = 0.5;
+  return r;
+}
+
+TEST(hbComparisonFindings, SaysWhatFitsAreGoodFor) {
+  Json r = fittedReport();
+  hb::addRecommendations(r, {});
+  ASSERT_EQ(r["recommendations"].size(), 4U);
+  EXPECT_EQ(r["recommendations"][3]["question"], "a fit by least-squares");
+  EXPECT_EQ(r["recommendations"][3]["choice"], "f5"); // a quarter of the RMSE; the finer one has 0.4 of it
+  EXPECT_TRUE(r["recommendations"][3]["limit"].is_null());
+  EXPECT_EQ(r["recommendations"][3]["answer"],
+            "f5: RMSE 0.05 instead of 0.2 by interpolation, 150 bytes instead of 100 bytes, made in 4 s instead of "
+            "0.5 s; in no more bytes interpolation has RMSE 0.2, at level 5");
+  r["choices"][3]["bytes"] = 250.0; // now the finer interpolating grid takes no more
+  hb::addRecommendations(r, {});
+  const std::string answer = r["recommendations"][3]["answer"];
+  EXPECT_NE(answer.find("interpolation has RMSE 0.05, at level 6"), std::string::npos) << answer;
+  r["choices"][3]["bytes"] = 50.0; // fewer than any
+  hb::addRecommendations(r, {});
+  EXPECT_TRUE(r["recommendations"][3]["answer"].get<std::string>().ends_with("instead of 0.5 s"));
+}
+
+TEST(hbComparisonFindings, FitsThatGainNothingAreNotRecommended) {
+  Json r = fittedReport();
+  r["choices"][3]["fit"]["improved"] = false;
+  hb::addRecommendations(r, {});
+  EXPECT_EQ(r["recommendations"][3]["choice"], "f6");
+  r["choices"][4]["status"] = "failed";
+  hb::addRecommendations(r, {});
+  EXPECT_TRUE(r["recommendations"][3]["choice"].is_null());
+  EXPECT_EQ(r["recommendations"][3]["answer"], "none of these: no better than interpolation");
+}
+
+TEST(hbComparisonFindings, FitsHaveOrdersOfTheirOwn) {
+  Json r = fittedReport();
+  r["choices"][4]["values"]["rmse"] = 0.0125;
+  hb::addConvergenceOrders(r);
+  EXPECT_DOUBLE_EQ(r["choices"][2]["order"].get<double>(), 2.0);
+  EXPECT_TRUE(r["choices"][3]["order"].is_null());
+  EXPECT_DOUBLE_EQ(r["choices"][4]["order"].get<double>(), 2.0); // a quarter at half the width
 }
 
 TEST(hbComparisonFindings, ErrorsThatOverflowAreInfinite) {

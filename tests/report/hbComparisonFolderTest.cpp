@@ -53,6 +53,8 @@ TEST(hbComparisonFolder, RefusesOtherComparisonsAndOtherFiles) {
   EXPECT_NE(errorOf(path, other).find("width 8, found 9"), std::string::npos) << errorOf(path, other);
   EXPECT_TRUE(hbComparisonFolder(path, settings, false).find("a"));
 
+  EXPECT_NE(errorOf(path, {{"levels", {5, 6}}}).find("width 8, found none"), std::string::npos);
+
   // Begun anew, nothing of the old one is left.
   hbComparisonFolder again(path, other, true);
   EXPECT_FALSE(again.find("a"));

@@ -161,6 +161,21 @@ TEST_F(hbComparisonPageTest, nothingMeasuredIsAPageToo) {
   EXPECT_NE(page().find("No case of this mode could be measured."), std::string::npos);
 }
 
+TEST_F(hbComparisonPageTest, fitsAreShownWithWhatJudgedThem) {
+  write(hb::test::report(), true);
+  for (const char* words : {"held out", "Fits (", "error of the values over size"})
+    EXPECT_EQ(page().find(words), std::string::npos) << words;
+  const Json report = hb::test::fittedReport();
+  write(report, true);
+  EXPECT_EQ(findings(), "");
+  const std::string html = page();
+  for (const char* place : {"/settings/fits/0", "/settings/loss", "/choices/7/fit/held_out_rmse",
+                            "/choices/8/fit/interpolation_held_out_rmse", "/choices/8/fit/seconds"})
+    EXPECT_NE(html.find(std::string("data-json=\"") + place + '"'), std::string::npos) << place;
+  for (const char* words : {"least squares, level 5 (interpolation kept)", "plot: error of the values over size"})
+    EXPECT_NE(html.find(words), std::string::npos) << words;
+}
+
 TEST_F(hbComparisonPageTest, missingPlotsAreSaid) {
   write(hb::test::report());
   EXPECT_NE(page().find("The plots are missing"), std::string::npos);

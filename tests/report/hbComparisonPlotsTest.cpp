@@ -85,6 +85,23 @@ TEST(hbComparisonPlots, makesAllPlotsOfAReport) {
   EXPECT_EQ(points(textOf(folder / "plots/convergence-values.svg")), 2 + 2 + 1 + 3);
 }
 
+TEST(hbComparisonPlots, fitsHaveSeriesOfTheirOwn) {
+  const hbTestFolder folder;
+  Json report = hb::test::report();
+  hb::makeComparisonPlots(report, folder.path());
+  EXPECT_FALSE(report["plots"]["convergence"].contains("bytes"));
+  report = hb::test::fittedReport();
+  hb::makeComparisonPlots(report, folder.path());
+  const std::string svg = textOf(folder / "plots/error-time-mip.svg");
+  EXPECT_EQ(points(svg), 8 + 2 + 6); // two points and a series more than without fits
+  EXPECT_EQ(count(svg, ">least squares, seminodal</text>"), 1);
+  EXPECT_EQ(points(textOf(folder / "plots/error-bytes-mip.svg")), 8 + 2 + 5);
+  EXPECT_EQ(points(textOf(folder / "plots/convergence-values.svg")), 2 + 2 + 1 + 2 + 4);
+  // The same choices over their bytes.
+  EXPECT_EQ(report["plots"]["convergence"]["bytes"], "plots/convergence-bytes.svg");
+  EXPECT_EQ(points(textOf(folder / "plots/convergence-bytes.svg")), 2 + 2 + 1 + 2 + 4);
+}
+
 TEST(hbComparisonPlots, errorsOfImagesAreNotDrawn) {
   const hbTestFolder folder;
   Json report = hb::test::report();

@@ -6,11 +6,14 @@
 #include <memory>
 #include <optional>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "raycast/hbNominalSamples.h"
 #include "raycast/hbRaycaster.h"
+#include "report/hbFitJson.h"
 #include "report/hbPictureDifference.h"
+#include "report/hbSparseCompression.h"
 #include "scene/hbDisplay.h"
 #include "scene/hbPictureFile.h"
 #include "sparsegrid/hbSparseGridFile.h"
@@ -144,6 +147,125 @@ TEST_F(hbComparisonRunTest, FiguresAreThoseOfTheFilesAndPicturesThemselves) {
   EXPECT_EQ(named(report["cases"], "original-full-xray")["picture"]["max"], 0.0);
   // The baseline takes no more than the sparse grid.
   EXPECT_LE(named(report["choices"], "coarse-3")["bytes"], choice["bytes"]);
+}
+
+TEST_F(hbComparisonRunTest, FitsAreChoicesDrawnByTheFirstEngine) {
+  what_.fits = hbComparison::allFits();
+  what_.firstLevel = 3;
+  what_.modes = {hbMode::mip};
+  const Json report = run();
+  std::vector<std::string> choices, cases;
+  for (const Json& one : report["choices"]) choices.push_back(one["key"]);
+  for (const Json& one : report["cases"]) cases.push_back(one["key"]);
+  EXPECT_EQ(choices, (std::vector<std::string>{"original", "sparse-3", "opticom-3", "least-squares-3", "coarse-3"}));
+  EXPECT_EQ(cases, (std::vector<std::string>{"original-full-mip", "sparse-3-seminodal-mip", "sparse-3-direct-mip",
+                                             "opticom-3-seminodal-mip", "least-squares-3-seminodal-mip",
+                                             "coarse-3-full-mip"}));
+  for (const Json& one : report["cases"]) EXPECT_EQ(one["status"], "done") << one;
+
+  const hbInput input = field();
+  for (const hbComparison::Fit& fit : what_.fits) {
+    const Json& choice = named(report["choices"], fit.name + "-3");
+    EXPECT_EQ(choice["kind"], fit.name);
+    EXPECT_EQ(choice["label"], fit.inWords() + ", level 3");
+    EXPECT_EQ(choice["level"], 3);
+    EXPECT_EQ(choice["fit"]["method"], fit.name);
+    EXPECT_EQ(choice["fit"]["improved"], true);
+    EXPECT_EQ(choice["fit"]["samples"].get<int>() + choice["fit"]["held_out"].get<int>(), 729);
+    EXPECT_LT(choice["fit"]["held_out_rmse"], choice["fit"]["interpolation_held_out_rmse"]);
+    EXPECT_LE(choice["fit"]["seconds"], choice["seconds_build"]);
+
+    // The figures are those of the file.
+    const std::filesystem::path file = folder_ / "out" / choice["file"].get<std::string>();
+    EXPECT_EQ(choice["bytes"], std::filesystem::file_size(file));
+    const hbInput sparse = hbInput::open(file.string(), {});
+    EXPECT_NE(sparse.sparse->provenance.json.find(fmt::format("\"{}\"", fit.name)), std::string::npos);
+    hbErrorStatistics errors;
+    for (int z = 0; z < 9; ++z)
+      for (int y = 0; y < 9; ++y)
+        for (int x = 0; x < 9; ++x) {
+          const glm::dvec3 p{x / 8.0, y / 8.0, z / 8.0};
+          errors.add(float(input.analytic->value(p)), sparse.sparse->grid.calcValue(p, 0));
+        }
+    // A lattice of a small grid in 32 bits is off by less than 2^-16 of the largest value, which is below 100.
+    EXPECT_NEAR(choice["values"]["rmse"].get<double>(), errors.rmse(), 100.0 * 0x1p-16);
+  }
+  // All surpluses are free to follow the samples, of opticom only one factor a component grid.
+  EXPECT_LT(named(report["choices"], "least-squares-3")["fit"]["residual_rmse"],
+            named(report["choices"], "opticom-3")["fit"]["residual_rmse"]);
+
+  const Json again = run();
+  EXPECT_EQ(again["choices"], report["choices"]);
+  EXPECT_EQ(again["cases"], report["cases"]);
+}
+
+TEST_F(hbComparisonRunTest, WithFitsTheRestIsAsWithout) {
+  what_.modes = {hbMode::mip};
+  const Json without = run();
+  std::filesystem::remove_all(folder_ / "out");
+  what_.fits = hbComparison::allFits();
+  const Json with = run();
+  for (const Json& choice : without["choices"]) {
+    const Json& same = named(with["choices"], choice["key"]);
+    for (const char* key : {"label", "bytes", "stored_values", "values", "true_values"})
+      EXPECT_EQ(same.value(key, Json()), choice.value(key, Json())) << choice["key"] << key;
+  }
+  for (const Json& one : without["cases"]) EXPECT_EQ(named(with["cases"], one["key"])["picture"], one["picture"]);
+}
+
+TEST_F(hbComparisonRunTest, AFitThatIsNoBetterIsInterpolation) {
+  name_ = "field:multilinear,size=9"; // which interpolation takes without an error
+  what_.fits = {hbComparison::allFits()[1]};
+  what_.modes = {hbMode::mip};
+  what_.scene.isoValue.reset();
+  const Json report = run();
+  const Json &fit = named(report["choices"], "least-squares-3"), &sparse = named(report["choices"], "sparse-3");
+  EXPECT_EQ(fit["label"], "least squares, level 3 (interpolation kept)");
+  EXPECT_EQ(fit["fit"]["improved"], false);
+  EXPECT_EQ(fit["values"], sparse["values"]);
+  EXPECT_EQ(named(report["cases"], "least-squares-3-seminodal-mip")["picture"],
+            named(report["cases"], "sparse-3-seminodal-mip")["picture"]);
+}
+
+TEST_F(hbComparisonRunTest, FitsOfVolumesFollowTheComponentAndTheLoss) {
+  hbInput input;
+  input.name = "noise";
+  input.volume = std::make_shared<const hbVolume>(volumeOf({9, 8, 7}, 3, 2));
+  what_.scene.component = 1;
+  what_.scene.isoValue.reset();
+  what_.modes = {hbMode::mip};
+  what_.fits = hbComparison::allFits();
+  what_.loss = hbFitLoss::Kind::huber;
+  const hbComparisonSource source([&] { return input; }, 1, std::nullopt);
+  hbComparisonFolder folder(folder_ / "noise", hbComparisonRun::identity(source, what_), false);
+  const Json report = hbComparisonRun(source, what_, folder).run(hbProgress::none());
+  for (const hbComparison::Fit& fit : what_.fits) {
+    const Json& choice = named(report["choices"], fit.name + "-3");
+    ASSERT_EQ(choice["status"], "done") << choice;
+    EXPECT_EQ(choice["fit"]["loss"], "huber");
+    hbSparseCompression how;
+    how.set.levels = glm::ivec3(3);
+    how.fit.emplace();
+    how.fit->method = fit.method;
+    how.fit->loss = hbFitLoss::Kind::huber;
+    Json expected = hb::toJson(how.compress(input).fits[1]), found = choice["fit"];
+    expected.erase("seconds");
+    found.erase("seconds");
+    EXPECT_EQ(found, expected);
+  }
+}
+
+TEST_F(hbComparisonRunTest, AFitThatFailsDoesNotEndTheRest) {
+  name_ = "field:hydrogen,size=3"; // 27 samples are too few to hold some out
+  what_.fits = {hbComparison::allFits()[0]};
+  what_.lastLevel = 2;
+  what_.modes = {hbMode::mip};
+  const Json report = run();
+  const Json& fit = named(report["choices"], "opticom-2");
+  EXPECT_EQ(fit["status"], "failed");
+  EXPECT_NE(fit["error"].get<std::string>().find("expected 64 samples"), std::string::npos) << fit;
+  EXPECT_EQ(named(report["cases"], "opticom-2-seminodal-mip")["status"], "failed");
+  EXPECT_EQ(named(report["cases"], "coarse-2-full-mip")["status"], "done");
 }
 
 TEST_F(hbComparisonRunTest, GoesOnWhereItWasInterrupted) {

@@ -47,11 +47,26 @@ TEST(hbComparison, ValidatesWhatIsAsked) {
   c = valid();
   c.repeats = 0;
   EXPECT_NE(errorOf(c).find("repeats"), std::string::npos);
+  c = valid();
+  c.fits = hbComparison::allFits();
+  c.loss = hbFitLoss::Kind::huber;
+  EXPECT_EQ(errorOf(c), "");
+  c.fits.push_back(c.fits.front());
+  EXPECT_EQ(errorOf(c), "fits: expected each once, found opticom twice");
+  c.fits.clear();
+  EXPECT_EQ(errorOf(c), "loss: expected a fit beside it, found interpolation only");
 }
 
 TEST(hbComparison, KnowsItsEnginesByName) {
   for (const auto& engine : hbComparison::allEngines()) EXPECT_EQ(hbComparison::engineFromName(engine.name), engine);
   EXPECT_THROW(hbComparison::engineFromName("best"), hbError);
+}
+
+TEST(hbComparison, FitsAreSparseGrids) {
+  for (const auto& fit : hbComparison::allFits()) EXPECT_TRUE(hbComparison::isSparseGrid(fit.name)) << fit.name;
+  EXPECT_TRUE(hbComparison::isSparseGrid("sparse"));
+  for (const char* kind : {"original", "coarse", "zfp", ""}) EXPECT_FALSE(hbComparison::isSparseGrid(kind)) << kind;
+  EXPECT_EQ(hbComparison::allFits()[1].inWords(), "least squares");
 }
 
 TEST(hbComparison, SettingsTellComparisonsApart) {
@@ -65,6 +80,14 @@ TEST(hbComparison, SettingsTellComparisonsApart) {
   c = valid();
   c.nonFinite = 0.0;
   EXPECT_NE(c.settings(), settings);
+  c = valid();
+  c.fits = hbComparison::allFits();
+  EXPECT_EQ(c.settings()["fits"], (nlohmann::ordered_json{"opticom", "least-squares"}));
+  EXPECT_EQ(c.settings()["loss"], "none");
+  EXPECT_FALSE(settings.contains("fits"));
+  hbComparison robust = c;
+  robust.loss = hbFitLoss::Kind::huber;
+  EXPECT_NE(robust.settings(), c.settings());
   c = valid();
   c.limits.maxError = 3.0; // decides what is recommended, not what is measured
   EXPECT_EQ(c.settings(), settings);

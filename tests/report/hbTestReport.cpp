@@ -222,6 +222,24 @@ Json hb::test::report() {
   return result;
 }
 
+Json hb::test::fittedReport() {
+  Json result = report();
+  result["settings"]["fits"] = {"least-squares"};
+  result["settings"]["loss"] = "huber";
+  for (const int level : {5, 6}) {
+    const std::string label = "least squares, level " + std::to_string(level);
+    Json fit = choice("least-squares", level, level == 5 ? label + " (interpolation kept)" : label,
+                      level == 5 ? 6200 : 16123, level == 5 ? 40.5 : 10.123456);
+    fit["fit"] = {{"method", "least-squares"}, {"loss", "huber"},
+                  {"held_out_rmse", 11.23456}, {"interpolation_held_out_rmse", 22.3456},
+                  {"improved", level == 6},    {"seconds", 1.23456}};
+    for (const Json& mode : result["settings"]["modes"])
+      result["cases"].push_back(makeCase(fit, "seminodal", mode, 7 + level));
+    result["choices"].push_back(std::move(fit));
+  }
+  return result;
+}
+
 Json hb::test::vtkCase(const Json& report, const std::string& mode) {
   Json result = makeCase(report["choices"][0], "vtk-gpu", mode, 0);
   result["image_only"] = true;

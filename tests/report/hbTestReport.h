@@ -16,6 +16,10 @@ nlohmann::ordered_json report();
 /// levels of a byte and a mean L*u*v* distance that can be seen. Its picture is named, not written.
 nlohmann::ordered_json vtkCase(const nlohmann::ordered_json& report, const std::string& mode);
 
+/// That report with a fit by least squares at both levels, drawn by one engine; at the coarser level interpolation was
+/// kept.
+nlohmann::ordered_json fittedReport();
+
 /// The same with the volume itself and one sparse grid, in one mode.
 nlohmann::ordered_json smallReport();
 
