@@ -74,6 +74,30 @@ TEST_F(compare, MakesOnePageOfEverything) {
   EXPECT_RUNS(run({"info", "out/choices/sparse-3.hbv", "--verify"}));
 }
 
+TEST_F(compare, SetsFitsBesideInterpolation) {
+  const auto more = [](const char* fits) { return arguments({"--modes", "mip", "--fits", fits, "--loss", "huber"}); };
+  const hbProgramRun found = run(more("least-squares,interpolation,opticom"));
+  EXPECT_RUNS(found);
+  for (const char* words :
+       {"sparse grid, level 3", "opticom, level 3", "least squares, level 3", "for a fit by opticom: "})
+    EXPECT_NE(found.out.find(words), std::string::npos) << words << "\n" << found.out;
+  const auto report = json("out/report.json");
+  EXPECT_EQ(report["settings"]["fits"], (nlohmann::ordered_json{"opticom", "least-squares"}));
+  ASSERT_EQ(report["cases"].size(), 11U); // of both levels two engines and a grid, and one engine a fit
+  for (const auto& one : report["cases"]) EXPECT_EQ(one["status"], "done") << one;
+  EXPECT_EQ(faultsOfPage(), "");
+  const auto table = bytes("out/report.csv");
+  const std::string text(reinterpret_cast<const char*>(table.data()), table.size());
+  EXPECT_NE(text.substr(0, text.find('\n')).find("choice_fit_held_out_rmse"), std::string::npos);
+  EXPECT_RUNS(run({"info", "out/choices/least-squares-3.hbv", "--verify"}));
+
+  // The same fits in another order are the same comparison, others another one.
+  EXPECT_RUNS(run(more("opticom,least-squares")));
+  EXPECT_EQ(json("out/report.json")["runs"], 1);
+  expectFailureLeavesAll(more("opticom"), 1, "expected fits");
+  expectFailureLeavesAll(arguments({"--modes", "mip"}), 1, "found none");
+}
+
 TEST_F(compare, GoesOnAfterItWasKilled) {
   {
     const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -196,6 +220,9 @@ TEST_F(compare, RefusesBadOptionsAndFiles) {
     expectFailureLeavesAll({"compare", "two.nrrd", "--out", "o", "--levels", levels}, 2, "--levels");
   expectFailureLeavesAll({"compare", "two.nrrd", "--out", "o", "--engines", "seminodal,best"}, 2, "--engines");
   expectFailureLeavesAll({"compare", "two.nrrd", "--out", "o", "--modes", "slice"}, 2, "--modes");
+  expectFailureLeavesAll({"compare", "two.nrrd", "--out", "o", "--fits", "opticom,best"}, 2, "--fits");
+  expectFailureLeavesAll({"compare", "two.nrrd", "--out", "o", "--fits", "opticom", "--loss", "l1"}, 2, "--loss");
+  expectFailureLeavesAll({"compare", "two.nrrd", "--out", "o", "--loss", "huber"}, 2, "--loss");
   expectFailureLeavesAll({"compare", "two.nrrd"}, 2, "--out");
   expectFailureLeavesAll({"compare", "--out", "o"}, 2, "IN");
   expectFailureLeavesAll({"compare", "field:ball", "--out", "o", "--memory", "1MB"}, 1, "memory limit");
