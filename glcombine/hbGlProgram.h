@@ -13,9 +13,9 @@
 /// A vertex and a fragment shader, linked. The context must be current wherever it is used.
 class hbGlProgram {
 public:
-  /// Turns of loops that a fragment may take. Mesa's software renderer ends every loop of a shader, without an error,
-  /// where all of them together have taken as many (LP_MAX_TGSI_LOOP_ITERATIONS): inner loops anew each time, the last
-  /// look at a loop's condition, too, is a turn, and a loop that is not reached is one where others run beside it.
+  /// Turns of loops that a fragment may take: where all loops of a shader together have taken as many, Mesa's software
+  /// renderer ends them, without an error (LP_MAX_TGSI_LOOP_ITERATIONS). The look at its condition that ends a loop is
+  /// a turn, too, and as fragments run side by side, so is a loop in a branch that is not taken, or behind that look.
   static constexpr int kMostTurns = 65535;
 
   /// Keeps a reference to `gl`. Throws hbError with the log of what does not compile or link.

@@ -129,9 +129,11 @@ const hbGlProgram& hbOglFused::prepared(std::unique_ptr<hbGlProgram>& program, c
   return *program;
 }
 
-// With the plane before, and the turn that ends the loop.
+// One less, as there is the plane before. With the turn that ends the march, each loop in it counts once: two of
+// valueAt(), and for each of two pieces of matter four of shine().
 int hbOglFused::planesAPass(int turnsAPlane) const {
-  return std::max(1, (hbGlProgram::kMostTurns - 1) / turnsAPlane - 1);
+  constexpr int kEnd = 1 + 2 + 2 * 4;
+  return std::max(1, (hbGlProgram::kMostTurns - kEnd) / turnsAPlane - 1);
 }
 
 void hbOglFused::draw(const hbGlProgram& program, int planes, int aPass, const hbGlTarget& out) const {

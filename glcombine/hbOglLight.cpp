@@ -68,8 +68,8 @@ void shine(inout vec3 colour, inout float depth, float place) {
 )";
 }
 
-// Of the loop over the differences and of that over the lights.
-int hbOglLight::turns(int ofValue) { return 6 * (1 + ofValue) + 1 + 8 + 1; }
+// Of the loop over the differences, of whose end valueAt()'s two loops are part, and of that over the lights.
+int hbOglLight::turns(int ofValue) { return 6 * (1 + ofValue) + 3 + int(hbShading::kMostLights) + 1; }
 
 hbOglLight::hbOglLight(const hbField& field, const hbScene& scene) : spacing_(field.geometry().cubeSpacing()) {
   const glm::dmat4 cubeToWorld = field.geometry().cubeToWorld();

@@ -218,6 +218,8 @@ double hbOglRaycaster::bytes(const hbSparseGrid& grid, const hbScene& scene, con
   double perPixel = scene.mode == hbMode::iso ? 336.0 : scene.mode == hbMode::dvr ? 288.0 : 144.0;
   // Pieces of a plane that wait for their gradients, with six values each, in lists that may be half empty.
   if (scene.mode == hbMode::dvr && hbLitPieces::areIn(scene) && options.form == Form::blend) perPixel += 416.0;
+  // Passes draw into two targets by turns.
+  if (options.form != Form::blend) perPixel += scene.mode == hbMode::dvr ? 16.0 : 4.0;
   const double matter = scene.mode == hbMode::dvr ? hbOglMatter::bytes(scene.preintegrated) : 0.0;
   const double pixels = perPixel * scene.width * scene.height + matter;
   if (options.form == Form::seminodal)

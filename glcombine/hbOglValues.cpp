@@ -92,7 +92,7 @@ struct hbOglValues::Table {
   glm::vec3 scale{1.0F}; ///< Lattice coordinate = scale * cube coordinate.
   glm::bvec3 isFlat{false};
   std::vector<glm::ivec4> rows;
-  int turns = 0; ///< Of all loops, with the one that ends each.
+  int turns = 0; ///< Of both loops, with those that end them.
 
   Table(const hbCombinationSparseGrid& grid, const Limits& limits);
   Table(const hbSemiNodalGrid& grid, const Limits& limits);
@@ -157,7 +157,7 @@ hbOglValues::Table::Table(const hbSemiNodalGrid& grid, const Limits& limits) : g
       rows.push_back({bitsOf(y.kind), bitsOf(z.kind), 0, 0});
     }
   }
-  turns = int(terms.terms.size() + 2 * terms.groups.size()) + 1;
+  turns = int(terms.terms.size() + 2 * terms.groups.size()) + 2;
   checkBlock(limits);
 }
 
