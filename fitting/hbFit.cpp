@@ -126,6 +126,9 @@ private:
       return ceres ? hbCeresSolver::solve(problem, start, tolerance, progress)
                    : own.solve(problem, start, {tolerance}, progress);
     };
+    // How many it takes shows on the way; with these the bar is about right where the samples determine the grid.
+    constexpr std::int64_t kPlainPasses = 60, kRobustPasses = 150;
+    progress_.begin("fitting", how_.loss == hbFitLoss::Kind::none ? kPlainPasses : kRobustPasses, "passes");
     hbLeastSquaresFit::Result result = fit.run(samples_, set_, values_, interpolation_, solve, progress_);
     report_.method = "least-squares";
     report_.solver = ceres ? "ceres" : "conjugate-gradient";
