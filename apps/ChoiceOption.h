@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,6 +8,17 @@
 #include <CLI/CLI.hpp>
 
 namespace app {
+
+/// A number that is neither infinite nor NaN, which CLI11's ranges let through.
+inline CLI::Validator isFinite() {
+  return {[](const std::string& text) {
+            double value = 0.0;
+            return CLI::detail::lexical_cast(text, value) && std::isfinite(value)
+                       ? std::string()
+                       : "expected a finite number, found " + text;
+          },
+          ""};
+}
 
 /// Adds an option that takes one of a few names and sets `target` to what the name stands for; it keeps its value where
 /// the option is not given.

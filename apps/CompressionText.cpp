@@ -11,12 +11,16 @@
 
 namespace {
 
-void print(const hbFitReport& fit) {
-  fmt::print("{} on {} samples held out: RMSE {:.6g}, interpolation {:.6g}{}\n", fit.method, fit.heldOut,
-             fit.heldOutErrors.rmse, fit.interpolationHeldOutErrors.rmse,
+void print(const hbFitReport& fit, const std::string& component) {
+  const bool robust = fit.loss.kind != hbFitLoss::Kind::none;
+  const auto costs = [](const hbFitReport::Errors& errors) { return fmt::format(" (cost {:.4g})", errors.cost); };
+  fmt::print("{}{} on {} samples held out: RMSE {:.6g}{}, interpolation {:.6g}{}{}\n", component, fit.method,
+             fit.heldOut, fit.heldOutErrors.rmse, robust ? costs(fit.heldOutErrors) : "",
+             fit.interpolationHeldOutErrors.rmse, robust ? costs(fit.interpolationHeldOutErrors) : "",
              fit.improved ? "" : "; no better, interpolation was kept");
-  fmt::print("fitted to {} samples by {}: RMSE {:.6g}", fit.samples, fit.solver, fit.fitted.rmse);
-  if (fit.loss.kind != hbFitLoss::Kind::none) fmt::print(", {} from {:.3g} on", fit.loss.name(), fit.loss.threshold);
+  fmt::print("{}fitted to {} samples by {}, RMSE of all not held out {:.6g}", component, fit.samples, fit.solver,
+             fit.fitted.rmse);
+  if (robust) fmt::print(", {} from {:.3g} on", fit.loss.name(), fit.loss.threshold);
   if (fit.smoothing > 0.0) fmt::print(", smoothing {:.3g}", fit.smoothing);
   if (std::isfinite(fit.condition)) fmt::print(", condition about {:.3g}", fit.condition);
   fmt::print(", {} iterations{}, {:.2f} s\n", fit.iterations,
@@ -69,5 +73,6 @@ void app::printCompression(const std::string& out, const nlohmann::ordered_json&
       fmt::print("error against {} {}: max {:.6g}, RMSE {:.6g}, PSNR {}\n", c.points,
                  kReferences[std::size_t(c.reference)], c.max, c.rmse,
                  std::isnan(c.psnr) ? "n/a (one value only)" : fmt::format("{:.2f} dB", c.psnr));
-  for (const hbFitReport& fit : result.fits) print(fit);
+  for (std::size_t c = 0; c < result.fits.size(); ++c)
+    print(result.fits[c], result.fits.size() > 1 ? fmt::format("component {}: ", c) : std::string());
 }

@@ -19,12 +19,12 @@ void app::FitOptions::addTo(CLI::App& subcommand) {
       .add_option("--loss-threshold", fit.threshold,
                   "From which residual on huber counts less, in data values (default: 1.345 standard deviations of a "
                   "plain fit's residuals, by their median)")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::PositiveNumber & isFinite())
       ->type_name("VALUE");
   subcommand
       .add_option("--smoothing", fit.smoothing,
                   "Weight of the squared mixed derivative in least squares (default: what the samples held out say)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber & isFinite())
       ->type_name("WEIGHT");
   addChoice(subcommand, "--solver", fit.solver,
             {{"auto", hbFit::Solver::automatic},

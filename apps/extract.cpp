@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/ChoiceOption.h"
 #include "apps/FieldWriter.h"
 #include "apps/Program.h"
 #include "volume/hbError.h"
@@ -49,6 +50,9 @@ void run(const Options& options, const Selection& selection, const app::CommonOp
   const auto start = std::chrono::steady_clock::now();
   // Lattices come from a sparse grid as it is: another form would only take memory.
   auto field = options.input.field(input, input.sparse ? "direct" : "full", common);
+  if (options.outliers > 0.0 && !input.volume)
+    throw hbError(fmt::format("{}: --outliers: expected a plain volume, whose range is known, found {}", input.name,
+                              input.representation()));
   if (options.outliers > 0.0) field = std::make_shared<hbOutlierField>(field, options.outliers);
   const std::uint64_t bytes = app::writeField(*field, lattice, options.out, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -100,7 +104,7 @@ void addExtract(CLI::App& program, const app::CommonOptions& common, app::Work& 
       ->add_option("--outliers", options->outliers,
                    "Spoil that share of the samples with values uniform over their range, to test what becomes of bad "
                    "data; the same ones every time")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(CLI::Range(0.0, 1.0) & app::isFinite())
       ->type_name("SHARE");
   command->callback([options, &common, &work] { work = prepare(*options, common); });
 }

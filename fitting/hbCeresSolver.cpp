@@ -10,6 +10,7 @@
 
 #include <ceres/ceres.h>
 
+#include "fitting/hbCeresLog.h"
 #include "fitting/hbSurplusBlocks.h"
 #include "volume/hbError.h"
 
@@ -189,6 +190,7 @@ ceres::Solver::Options optionsOf(double tolerance) {
   options.preconditioner_type = ceres::JACOBI;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
+  hb::silenceCeres();
   options.max_num_iterations = 500;
   options.max_linear_solver_iterations = 1000;
   // Wide enough for a quadratic problem to be solved at once, narrow enough for the blocks of the diagonal to be

@@ -62,13 +62,16 @@ public:
     report_.heldOut = samples_.heldOutCount();
     const Surpluses exact = how_.method == hbFit::Method::opticom ? opticom() : leastSquares();
     if (report_.interrupted && !how_.keepBest) throw hbCancelled();
-    Surpluses fitted = shortened(exact, errorsOf(exact).withinThreshold);
+    const bool begun = !report_.interrupted || report_.iterations > 0;
+    Surpluses fitted = begun ? shortened(exact, errorsOf(exact).withinThreshold) : interpolation_;
     const hbFitErrors errors = errorsOf(fitted), interpolated = errorsOf(interpolation_);
     report_.fitted = errors.fitted;
     report_.heldOutErrors = errors.heldOut;
     report_.interpolationFitted = interpolated.fitted;
     report_.interpolationHeldOutErrors = interpolated.heldOut;
-    report_.improved = errors.heldOut.cost < interpolated.heldOut.cost;
+    // A robust loss may cost less for leaving out what is hard to follow, and no outliers: that shows in the RMSE.
+    report_.improved =
+        errors.heldOut.cost < interpolated.heldOut.cost && errors.heldOut.rmse < interpolated.heldOut.rmse;
     toData(report_, scale_);
     report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return {report_.improved ? std::move(fitted) : std::move(interpolation_), report_};
@@ -111,8 +114,9 @@ private:
   bool takesCeres() const {
     if (how_.solver == hbFit::Solver::conjugateGradient) return false;
     const double need = hbCeresSolver::bytes({samples_, set_, {how_.loss, 1.0}, 1.0});
-    if (how_.solver == hbFit::Solver::automatic) return need <= std::min(hbFit::kCeresBytes, double(how_.memoryLimit));
-    refuseBeyond(how_.memoryLimit, need);
+    const double all = need + how_.bytes(set_, samples_.size());
+    if (how_.solver == hbFit::Solver::automatic) return need <= hbFit::kCeresBytes && all <= double(how_.memoryLimit);
+    refuseBeyond(how_.memoryLimit, all);
     return true;
   }
 
@@ -161,16 +165,32 @@ private:
 
 } // namespace
 
+void hbFit::check(const hbSize3& samples) const {
+  const double count = double(samples.x) * double(samples.y) * double(samples.z);
+  if (count < double(kFewestSamples))
+    throw hbError(fmt::format("fit: expected {} samples at least, some of which can be held out, found {}",
+                              kFewestSamples, count));
+  if (count > double(kMostSamples))
+    throw hbError(fmt::format("fit: expected {} samples at most, found {:.4g}: each is looked at a hundred times",
+                              kMostSamples, count));
+  if (threshold && !(*threshold > 0.0 && std::isfinite(*threshold)))
+    throw hbError(fmt::format("loss threshold: expected a number above 0, found {}", *threshold));
+  if (smoothing && !(*smoothing >= 0.0 && std::isfinite(*smoothing)))
+    throw hbError(fmt::format("smoothing: expected a number from 0 on, found {}", *smoothing));
+}
+
 double hbFit::bytes(const hbIndexSet& set, const hbSize3& samples) const {
   const double solving =
       method == Method::opticom
-          ? hbOpticom::bytes(set, std::min(hbOpticom::kMostSamples, samples.x * samples.y * samples.z))
+          ? hbOpticom::bytes(set, std::min(hbOpticom::kMostSamples, samples.x * samples.y * samples.z)) +
+                hbSampleOperator::bytes(set, samples)
           : hbConjugateGradientSolver::bytes(set, samples, loss);
-  // The surpluses found, those rounded, and those of interpolation.
-  return 4.0 * 8.0 * double(set.storedValues()) + solving;
+  // The surpluses found, those rounded, those of interpolation, and the best so far; what errors are told from.
+  return 5.0 * 8.0 * double(set.storedValues()) + hbFitErrors::bytes(samples) + solving;
 }
 
 hbFit::Result hbFit::run(const hbField& source, const hbSparseGrid& interpolated, hbProgress& progress) const {
+  check(interpolated.geometry().size);
   refuseBeyond(memoryLimit, bytes(interpolated.indexSet(), interpolated.geometry().size));
   std::vector<hbFitReport> reports;
   std::vector<std::vector<float>> surpluses;

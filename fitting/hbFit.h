@@ -21,9 +21,12 @@ struct hbFit {
   /// RMSE, and a file has a quarter of the bytes.
   static constexpr double kRounding = 0.1;
 
-  /// Up to so many bytes, and those of memoryLimit, Solver::automatic takes Ceres: where it needs more, it takes tens
-  /// of times as long as conjugate gradients without a matrix (doc/fitting.md).
+  /// Up to so many bytes, and those of memoryLimit, Solver::automatic takes Ceres: where it needs more, it takes
+  /// hundreds of times as long as conjugate gradients without a matrix (doc/fitting.md).
   static constexpr double kCeresBytes = 0x1p22;
+
+  /// Of these some 64 are held out. Beyond the most, a fit would take hours.
+  static constexpr std::int64_t kFewestSamples = 1024, kMostSamples = std::int64_t{1} << 31;
 
   Method method = Method::leastSquares;
   hbFitLoss::Kind loss = hbFitLoss::Kind::none;
@@ -39,10 +42,14 @@ struct hbFit {
   };
 
   /// Each component by itself. `interpolated` interpolates `source` on the index set that is wanted; a component whose
-  /// fit costs no less on the samples held out keeps it. Throws hbError where samples are not finite, too few, or do
-  /// not determine a fit without smoothing, and where the memory does not suffice; hbCancelled.
+  /// fit does not cost less, or has no smaller RMSE, on the samples held out keeps it. Throws hbError where samples are
+  /// not finite, too few, or do not determine a fit without smoothing, and where the memory does not suffice;
+  /// hbCancelled.
   Result run(const hbField& source, const hbSparseGrid& interpolated, hbProgress& progress = hbProgress::none()) const;
 
   /// What run() takes at its peak beside the interpolating grid, in bytes; with Solver::ceres more, see hbCeresSolver.
   double bytes(const hbIndexSet& set, const hbSize3& samples) const;
+
+private:
+  void check(const hbSize3& samples) const;
 };

@@ -63,3 +63,10 @@ hbFitErrors hbFitErrors::of(const hbFitSamples& samples, const hbSampleOperator&
   errors.hi = all.hi;
   return errors;
 }
+
+double hbFitErrors::bytes(const hbSize3& samples) {
+  // Magnitudes of the planes and of all; a plane of samples for each thread.
+  const double count = double(samples.x) * double(samples.y) * double(samples.z);
+  return 2.0 * sizeof(float) * std::min(count, 1.1 * double(kMagnitudes)) +
+         hbSampleOperator::planesAtOnce(samples) * double(samples.x) * double(samples.y) * sizeof(float);
+}

@@ -15,6 +15,9 @@ struct hbFitErrors {
   double lo = 0.0, hi = 0.0;    ///< The range of all samples.
   double withinThreshold = 0.0; ///< The RMSE of those fitted samples at which a robust loss is still a square.
 
+  /// What of() takes beside values.apply(), in bytes.
+  static double bytes(const hbSize3& samples);
+
   /// One pass over the samples. Sums are added in the order of planes.
   static hbFitErrors of(const hbFitSamples& samples, const hbSampleOperator& values, std::span<const double> surpluses,
                         const hbFitLoss& loss);

@@ -61,7 +61,7 @@ public:
     constexpr double kStep = 16.0, kMost = 1.0;
     // Below what matters costs are alike but for the solver's tolerance: only a clear rise ends the search.
     constexpr double kRise = 1.02;
-    Result best;
+    Result best = result_;
     double least = std::numeric_limits<double>::infinity();
     while (true) {
       fit(kNearly);
@@ -70,7 +70,7 @@ public:
         least = cost;
         best = result_;
       }
-      if (interrupted() || !(cost <= kRise * least) || result_.smoothing >= kMost) break;
+      if (interrupted() || !(cost <= kRise * least) || result_.smoothing * kStep > kMost) break;
       result_.smoothing *= kStep;
     }
     best.solution.iterations = result_.solution.iterations;

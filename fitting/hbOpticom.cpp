@@ -13,6 +13,7 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "fitting/hbCeresLog.h"
 #include "sparsegrid/hbComponentNodes.h"
 #include "volume/hbError.h"
 #include "volume/hbParallel.h"
@@ -287,6 +288,7 @@ private:
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.num_threads = 1; // sums would depend on their number
     options.logging_type = ceres::SILENT;
+    hb::silenceCeres();
     options.initial_trust_region_radius = options.max_trust_region_radius; // full steps: the problem is convex
     options.function_tolerance = tolerance;
     options.gradient_tolerance = options.parameter_tolerance = 0.0;

@@ -92,7 +92,12 @@ hbSampleOperator::hbSampleOperator(const hbIndexSet& set, const std::array<std::
 double hbSampleOperator::bytes(const hbIndexSet& set, const hbSize3& samples) {
   const Rows last = rowsOf(set).back();
   return 8.0 * double(last.offset + last.count * last.length) * double(samples.z) +
-         double(samples.y + samples.z) * double(sizeof(hbHat<double>));
+         double(samples.y + samples.z) * double(sizeof(hbHat<double>)) +
+         8.0 * planesAtOnce(samples) * double(samples.x) * double(samples.y);
+}
+
+double hbSampleOperator::planesAtOnce(const hbSize3& samples) {
+  return double(std::min<std::int64_t>(samples.z, hb::parallelThreads()));
 }
 
 void hbSampleOperator::planeSums(std::span<const double> surpluses, std::int64_t z, std::span<double> sums) const {

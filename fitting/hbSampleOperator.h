@@ -39,6 +39,9 @@ public:
   /// The root of the mean of the squared values at the samples.
   double rootMeanSquare(std::span<const double> surpluses) const;
 
+  /// How many planes are worked at at the same time.
+  static double planesAtOnce(const hbSize3& samples);
+
   /// The memory that applyBoth() takes, in bytes.
   static double bytes(const hbIndexSet& set, const hbSize3& samples);
 

@@ -197,13 +197,18 @@ private:
 
   void forFit(const Json& kind) {
     const auto isGain = [&](const Json& c) {
-      return c["kind"] == kind && isDone(c) && c["fit"]["improved"] == true && interpolatingAtLevelOf(c) != nullptr;
+      return c["kind"] == kind && isDone(c) && c["fit"]["improved"] == true && interpolatingAtLevelOf(c) != nullptr &&
+             orInfinite(c["values"]["rmse"]) < orInfinite((*interpolatingAtLevelOf(c))["values"]["rmse"]);
     };
+    const auto isMade = [&](const Json& c) { return c["kind"] == kind && isDone(c); };
+    const bool none = std::none_of(report_["choices"].begin(), report_["choices"].end(), isMade);
     const Json* fit = best(report_["choices"], isGain, [&](const Json& c) {
       return orInfinite(c["values"]["rmse"]) / orInfinite((*interpolatingAtLevelOf(c))["values"]["rmse"]);
     });
     add("a fit by " + kind.get<std::string>(), nullptr, nullptr, fit, nullptr,
-        fit ? inWords(*fit, *interpolatingAtLevelOf(*fit)) : "none of these: no better than interpolation");
+        fit    ? inWords(*fit, *interpolatingAtLevelOf(*fit))
+        : none ? "none of these: all failed"
+               : "none of these: no better than interpolation");
   }
 
   std::string inWords(const Json& fit, const Json& same) const {

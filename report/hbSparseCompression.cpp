@@ -108,14 +108,12 @@ hbSparseCompression::Result hbSparseCompression::compress(const hbInput& origina
                  {}},
                 {}};
   hbSparseGridFile& file = result.file;
-  bool interrupted = false;
   if (fit) {
     hbFit how = *fit;
     how.memoryLimit = memoryLimit - std::uint64_t(grid);
     hbFit::Result fitted = named([&] { return how.run(*source, file.grid, progress); });
     file.grid = std::move(fitted.grid);
     result.fits = std::move(fitted.reports);
-    for (const hbFitReport& report : result.fits) interrupted = interrupted || report.interrupted;
   }
   if (input.volume) {
     input.volume->releasePages();
@@ -124,8 +122,14 @@ hbSparseCompression::Result hbSparseCompression::compress(const hbInput& origina
     file.info.intercept = input.volume->intercept();
     file.info.componentNames = input.volume->componentNames();
   }
-  // Who asked for the best so far wants its errors, too.
-  if (measure != Measure::none)
-    file.error = errorsOf(input, *source, file.grid, interrupted ? hbProgress::none() : progress);
+  if (measure != Measure::none) {
+    try {
+      file.error = errorsOf(input, *source, file.grid, progress);
+    } catch (const hbCancelled&) {
+      // Who asked for the best so far wants it with its errors.
+      if (!fit || !fit->keepBest) throw;
+      file.error = errorsOf(input, *source, file.grid, hbProgress::none());
+    }
+  }
   return result;
 }

@@ -7,8 +7,9 @@
 
 /// A field some of whose samples are spoiled: to see what a fit or a compressor makes of bad data.
 ///
-/// A given share of the samples, spread irregularly, have a value that is uniformly distributed over the field's range
-/// (of its component) instead of their own. Points belong to the nearest sample. Always the same ones.
+/// A given share of the samples, spread irregularly, have a value that is uniformly distributed over the field's
+/// range() (of its component: of plain volumes the exact one, of others a bound) instead of their own. Points belong to
+/// the nearest sample. Always the same ones.
 class hbOutlierField final : public hbField {
 public:
   /// 0 <= share <= 1. Asks `source` for its range once.

@@ -204,7 +204,7 @@ TEST_F(compress, FitsAllSamples) {
 }
 
 TEST_F(compress, KeepsInterpolationWhereAFitIsNoBetter) {
-  writeVolume<float>("v.nrrd", {9, 9, 9}, 1, [](auto x, auto y, auto z, int) { return double(x + 2 * y - z); });
+  writeVolume<float>("v.nrrd", {17, 9, 9}, 1, [](auto x, auto y, auto z, int) { return double(x + 2 * y - z); });
   EXPECT_RUNS(run({"compress", "v.nrrd", "i.hbv"}));
   const hbProgramRun done = run({"compress", "v.nrrd", "f.hbv", "--fit", "least-squares", "--stats", "s.json"});
   EXPECT_RUNS(done);
@@ -214,7 +214,7 @@ TEST_F(compress, KeepsInterpolationWhereAFitIsNoBetter) {
 }
 
 TEST_F(compress, RefusesFitsThatAreNone) {
-  writeVolume<float>("v.nrrd", {9, 6, 9}, 1, [](auto x, auto y, auto z, int) { return double(x * y * z % 7); });
+  writeVolume<float>("v.nrrd", {33, 6, 9}, 1, [](auto x, auto y, auto z, int) { return double(x * y * z % 7); });
   writeVolume<float>("small.nrrd", {3, 3, 3}, 1, [](auto x, auto, auto, int) { return double(x); });
   const auto refused = [&](std::vector<std::string> options, int code, const char* words) {
     std::vector<std::string> arguments{"compress", "v.nrrd", "x.hbv"};
@@ -229,11 +229,17 @@ TEST_F(compress, RefusesFitsThatAreNone) {
   refused({"--fit", "opticom", "--loss-threshold", "1"}, 2, "--loss-threshold: expected --loss huber");
   refused({"--fit", "opticom", "--loss", "huber", "--loss-threshold", "0"}, 2, "--loss-threshold");
   refused({"--fit", "least-squares", "--smoothing", "-1"}, 2, "--smoothing");
+  for (const char* number : {"nan", "inf"}) {
+    refused({"--fit", "least-squares", "--smoothing", number}, 2, "--smoothing");
+    refused({"--fit", "opticom", "--loss", "huber", "--loss-threshold", number}, 2, "--loss-threshold");
+  }
+  expectFailureLeavesAll({"compress", "field:hydrogen", "x.hbv", "--level", "12", "--fit", "opticom"}, 1,
+                         "fit: expected 2147483648 samples at most");
   refused({"--fit", "least-squares", "--smoothing", "0"}, 1,
           "v.nrrd: smoothing: expected more than 0, found 0: along y the grid has more nodes than its 6 samples");
   refused({"--fit", "least-squares", "--memory", "20kb"}, 1, "more than the memory limit");
   expectFailureLeavesAll({"compress", "small.nrrd", "x.hbv", "--fit", "opticom"}, 1,
-                         "small.nrrd: fit: expected 64 samples");
+                         "small.nrrd: fit: expected 1024 samples at least");
   expectFailureLeavesAll({"compress", "x.hbv", "--components", "v_{i}_{j}_{k}.nrrd", "--fit", "opticom"}, 2, "--fit");
 }
 

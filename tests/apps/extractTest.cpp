@@ -237,7 +237,11 @@ TEST_F(extract, RefusesBadInputAndSizes) {
                          "v.nrrd: --box: expected first:last from 0:0 to 2:2 along y, found 0:3");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--box", "0:1,0:1,1:1", "--size", "5"}, 1,
                          "v.nrrd: --size: expected 1 along z, where the box has one sample, found 5");
-  expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--outliers", "1.5"}, 2, "--outliers");
+  for (const char* share : {"1.5", "-0.1", "nan"})
+    expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--outliers", share}, 2, "--outliers");
+  expectFailureLeavesAll(
+      {"extract", "field:smooth,size=9", "x.nrrd", "--outliers", "0.1"}, 1,
+      "field:smooth,size=9: --outliers: expected a plain volume, whose range is known, found analytic");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "16"}, 2, "--lod");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "-1"}, 2, "--lod");
   expectFailureLeavesAll({"extract", "v.nrrd", "x.nrrd", "--lod", "1", "--size", "5"}, 2, "--lod");
