@@ -52,6 +52,16 @@ struct hbFitCase {
     return {smoothSamples(size), size, level, map};
   }
 
+  /// The same with one sample in ten anywhere between -1 and 3.
+  static hbFitCase withOutliers(const hbSize3& size, int level) {
+    std::vector<float> samples = smoothSamples(size);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+    for (float& s : samples)
+      if (unit(random) < 0.1F) s = 4.0F * unit(random) - 1.0F;
+    return {std::move(samples), size, level};
+  }
+
   void setSample(std::size_t i, float value) {
     values[i] = value;
     update();
