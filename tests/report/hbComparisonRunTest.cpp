@@ -150,6 +150,7 @@ TEST_F(hbComparisonRunTest, FiguresAreThoseOfTheFilesAndPicturesThemselves) {
 }
 
 TEST_F(hbComparisonRunTest, FitsAreChoicesDrawnByTheFirstEngine) {
+  name_ = "field:hydrogen,size=11";
   what_.fits = hbComparison::allFits();
   what_.firstLevel = 3;
   what_.modes = {hbMode::mip};
@@ -171,7 +172,7 @@ TEST_F(hbComparisonRunTest, FitsAreChoicesDrawnByTheFirstEngine) {
     EXPECT_EQ(choice["level"], 3);
     EXPECT_EQ(choice["fit"]["method"], fit.name);
     EXPECT_EQ(choice["fit"]["improved"], true);
-    EXPECT_EQ(choice["fit"]["samples"].get<int>() + choice["fit"]["held_out"].get<int>(), 729);
+    EXPECT_EQ(choice["fit"]["samples"].get<int>() + choice["fit"]["held_out"].get<int>(), 11 * 11 * 11);
     EXPECT_LT(choice["fit"]["held_out_rmse"], choice["fit"]["interpolation_held_out_rmse"]);
     EXPECT_LE(choice["fit"]["seconds"], choice["seconds_build"]);
 
@@ -181,10 +182,10 @@ TEST_F(hbComparisonRunTest, FitsAreChoicesDrawnByTheFirstEngine) {
     const hbInput sparse = hbInput::open(file.string(), {});
     EXPECT_NE(sparse.sparse->provenance.json.find(fmt::format("\"{}\"", fit.name)), std::string::npos);
     hbErrorStatistics errors;
-    for (int z = 0; z < 9; ++z)
-      for (int y = 0; y < 9; ++y)
-        for (int x = 0; x < 9; ++x) {
-          const glm::dvec3 p{x / 8.0, y / 8.0, z / 8.0};
+    for (int z = 0; z < 11; ++z)
+      for (int y = 0; y < 11; ++y)
+        for (int x = 0; x < 11; ++x) {
+          const glm::dvec3 p{x / 10.0, y / 10.0, z / 10.0};
           errors.add(float(input.analytic->value(p)), sparse.sparse->grid.calcValue(p, 0));
         }
     // A lattice of a small grid in 32 bits is off by less than 2^-16 of the largest value, which is below 100.
@@ -200,6 +201,7 @@ TEST_F(hbComparisonRunTest, FitsAreChoicesDrawnByTheFirstEngine) {
 }
 
 TEST_F(hbComparisonRunTest, WithFitsTheRestIsAsWithout) {
+  name_ = "field:hydrogen,size=11";
   what_.modes = {hbMode::mip};
   const Json without = run();
   std::filesystem::remove_all(folder_ / "out");
@@ -214,7 +216,7 @@ TEST_F(hbComparisonRunTest, WithFitsTheRestIsAsWithout) {
 }
 
 TEST_F(hbComparisonRunTest, AFitThatIsNoBetterIsInterpolation) {
-  name_ = "field:multilinear,size=9"; // which interpolation takes without an error
+  name_ = "field:multilinear,size=11"; // which interpolation takes without an error
   what_.fits = {hbComparison::allFits()[1]};
   what_.modes = {hbMode::mip};
   what_.scene.isoValue.reset();
@@ -230,7 +232,7 @@ TEST_F(hbComparisonRunTest, AFitThatIsNoBetterIsInterpolation) {
 TEST_F(hbComparisonRunTest, FitsOfVolumesFollowTheComponentAndTheLoss) {
   hbInput input;
   input.name = "noise";
-  input.volume = std::make_shared<const hbVolume>(volumeOf({9, 8, 7}, 3, 2));
+  input.volume = std::make_shared<const hbVolume>(volumeOf({11, 10, 10}, 3, 2));
   what_.scene.component = 1;
   what_.scene.isoValue.reset();
   what_.modes = {hbMode::mip};
@@ -263,7 +265,7 @@ TEST_F(hbComparisonRunTest, AFitThatFailsDoesNotEndTheRest) {
   const Json report = run();
   const Json& fit = named(report["choices"], "opticom-2");
   EXPECT_EQ(fit["status"], "failed");
-  EXPECT_NE(fit["error"].get<std::string>().find("expected 64 samples"), std::string::npos) << fit;
+  EXPECT_NE(fit["error"].get<std::string>().find("expected 1024 samples at least"), std::string::npos) << fit;
   EXPECT_EQ(named(report["cases"], "opticom-2-seminodal-mip")["status"], "failed");
   EXPECT_EQ(named(report["cases"], "coarse-2-full-mip")["status"], "done");
 }
