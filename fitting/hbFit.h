@@ -22,7 +22,7 @@ struct hbFit {
   static constexpr double kRounding = 0.1;
 
   /// Up to so many bytes, and those of memoryLimit, Solver::automatic takes Ceres: where it needs more, it takes
-  /// hundreds of times as long as conjugate gradients without a matrix (doc/fitting.md).
+  /// up to a thousand times as long as conjugate gradients without a matrix (doc/fitting.md).
   static constexpr double kCeresBytes = 0x1p22;
 
   /// Of these some 64 are held out. Beyond the most, a fit would take hours.
