@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "apps/ChoiceOption.h"
+#include "apps/FitOptions.h"
 #include "sparsegrid/hbIndexSet.h"
 
 namespace {
@@ -87,8 +87,8 @@ void app::ComparisonOptions::addTo(CLI::App& subcommand) {
       ->delimiter(',')
       ->check(CLI::IsMember(fitNames()))
       ->type_name("F,...");
-  addChoice(subcommand, "--loss", what.loss, {{"none", hbFitLoss::Kind::none}, {"huber", hbFitLoss::Kind::huber}},
-            "Of the fits: none (default), squared residuals; huber, those of bad samples count less");
+  addLoss(subcommand, what.loss,
+          "Of the fits: none (default), squared residuals; huber, those of bad samples count less");
   subcommand.add_option("--component", what.scene.component, "Which component, from 0")->check(CLI::Range(0, 65535));
   subcommand.add_option("--repeat", what.repeats, "Frames to time of each case, after one to warm up")
       ->check(CLI::Range(1, 10000))

@@ -4,6 +4,10 @@
 
 #include "apps/ChoiceOption.h"
 
+void app::addLoss(CLI::App& subcommand, hbFitLoss::Kind& loss, const std::string& help) {
+  addChoice(subcommand, "--loss", loss, {{"none", hbFitLoss::Kind::none}, {"huber", hbFitLoss::Kind::huber}}, help);
+}
+
 void app::FitOptions::addTo(CLI::App& subcommand) {
   addChoice(
       subcommand, "--fit", method,
@@ -11,8 +15,8 @@ void app::FitOptions::addTo(CLI::App& subcommand) {
       "interpolation (default): the samples at the nodes, whatever lies between; opticom: the coefficients of the "
       "combination that suit all samples best; least-squares: the surpluses that do. Judged by samples held out: "
       "where it is no better, interpolation is kept");
-  addChoice(
-      subcommand, "--loss", fit.loss, {{"none", hbFitLoss::Kind::none}, {"huber", hbFitLoss::Kind::huber}},
+  addLoss(
+      subcommand, fit.loss,
       "none (default): squared residuals; huber: those of bad samples count less, so that outliers do not spoil the "
       "fit");
   subcommand

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "fitting/hbFit.h"
 
@@ -9,6 +10,9 @@ class App;
 } // namespace CLI
 
 namespace app {
+
+/// Adds `--loss none|huber`.
+void addLoss(CLI::App& subcommand, hbFitLoss::Kind& loss, const std::string& help);
 
 /// The options of `compress` that say how the grid is fitted to the samples.
 struct FitOptions {

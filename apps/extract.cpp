@@ -43,6 +43,13 @@ struct Selection {
   }
 };
 
+std::shared_ptr<const hbField> spoiled(const hbInput& input, std::shared_ptr<const hbField> field, double share) {
+  if (!input.volume)
+    throw hbError(fmt::format("{}: --outliers: expected a plain volume, whose range is known, found {}", input.name,
+                              input.representation()));
+  return std::make_shared<hbOutlierField>(std::move(field), share);
+}
+
 void run(const Options& options, const Selection& selection, const app::CommonOptions& common) {
   const hbInput input = options.input.open(common, app::progress());
   const hbSubLattice lattice = selection.of(input);
@@ -50,10 +57,7 @@ void run(const Options& options, const Selection& selection, const app::CommonOp
   const auto start = std::chrono::steady_clock::now();
   // Lattices come from a sparse grid as it is: another form would only take memory.
   auto field = options.input.field(input, input.sparse ? "direct" : "full", common);
-  if (options.outliers > 0.0 && !input.volume)
-    throw hbError(fmt::format("{}: --outliers: expected a plain volume, whose range is known, found {}", input.name,
-                              input.representation()));
-  if (options.outliers > 0.0) field = std::make_shared<hbOutlierField>(field, options.outliers);
+  if (options.outliers > 0.0) field = spoiled(input, field, options.outliers);
   const std::uint64_t bytes = app::writeField(*field, lattice, options.out, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const hbSize3 size = lattice.size();
